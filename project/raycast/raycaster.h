@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Raycaster: what a caster holds, and the two renders behind the public one. Private. */
+#ifndef CELLIST_RAYCASTER_PRIVATE_H
+#define CELLIST_RAYCASTER_PRIVATE_H
+
+#include <cellist/raycast.h>
+
+#include "hierarchy.h"
+
+struct cellist_raycaster {
+  cellist_context *context;
+  const cellist_mesh *mesh;
+  const cellist_scalar *scalar;
+  cellist_raycaster_desc desc;
+  bool has_hierarchy; /* made at the first render by reference */
+  face_hierarchy hierarchy;
+};
+
+/* The arguments have been checked; stats is not NULL. */
+cellist_result raycaster_render_reference(cellist_raycaster *caster, const cellist_frame *frame,
+                                          const cellist_transfer *transfer, const cellist_optics *optics,
+                                          const cellist_raycast_output *output, cellist_raycast_stats *stats);
+
+#endif

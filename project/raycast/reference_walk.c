@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Walk: every boundary face through which the ray's line enters the mesh begins a chain of cells, each left through the
+ * one face through which the line leaves it, until a boundary face ends the chain.
+ *
+ * Why it always ends: the side tests are those of one displaced line (line.h), which enters and leaves each tet at most
+ * once. So a chain is a path on which no tet has two predecessors, and its first one has none: it cannot return to a
+ * tet, however flawed the mesh, and two chains share no tet. No step is counted and no tolerance is asked.
+ *
+ * In a sound mesh the chains follow one another. Where two overlap (crushed meshes, folds), their segments are merged
+ * by depth: a picture that is finite and repeats, and the ray is counted. The line is followed from minus infinity, and
+ * what lies before the near plane is cut off at the end: a camera inside the mesh, on a face or on a vertex is no
+ * special case. */
+#include "reference_walk.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Chains that overlap by less than this share of the largest depth on the ray touch; only the count of fold rays
+ * depends on it. Depths carry an error of some 1e-15 of the distance from the eye, more where a face is seen edge-on.
+ */
+static const double FOLD_TOLERANCE = 1e-10;
+
+static bool reserve(cellist_context *context, void **block, size_t *capacity, size_t count, size_t size) {
+  if (count <= *capacity) return true;
+  const size_t wanted = count < 64 ? 64 : 2 * count;
+  void *grown = cellist_reallocate(context, *block, *capacity, wanted, size);
+  if (grown == NULL) return false;
+  *block = grown;
+  *capacity = wanted;
+  return true;
+}
+
+void walk_release(ray_walker *walker) {
+  cellist_deallocate(walker->context, walker->entries);
+  cellist_deallocate(walker->context, walker->segments);
+  walker->entries = NULL;
+  walker->segments = NULL;
+  walker->entry_capacity = walker->segment_capacity = 0;
+}
+
+/* A point where the line passes a face, with what is interpolated there. */
+struct crossing {
+  double t, scalar, gradient[3];
+};
+
+static struct crossing cross_face(const ray_walker *walker, const line_point corner[3], const bool is_tie[3]) {
+  double weight[3];
+  line_face_weights(corner, is_tie, weight);
+  struct crossing crossing = {0};
+  for (int c = 0; c < 3; c++) {
+    crossing.t += weight[c] * corner[c].z;
+    if (walker->scalar->association == CELLIST_ON_POINTS)
+      crossing.scalar += weight[c] * walker->scalar->values[corner[c].id];
+    if (walker->point_gradients != NULL)
+      for (int k = 0; k < 3; k++)
+        crossing.gradient[k] += weight[c] * walker->point_gradients[3 * (size_t)corner[c].id + (size_t)k];
+  }
+  return crossing;
+}
+
+/* The line's side of a face's three edges if it is the same for all, else 0; corners and ties are filled. -1: the line
+ * enters the tet there, 1: it leaves. */
+static int face_side(ray_walker *walker, uint32_t face, line_point corner[3], bool is_tie[3]) {
+  const uint32_t *tet = &walker->mesh->tets[face / 4 * 4];
+  for (int c = 0; c < 3; c++) corner[c] = line_project(&walker->line, tet[CELLIST_TET_FACE[face % 4][c]]);
+  const int first = line_side(&walker->line, &corner[0], &corner[1], &is_tie[0]);
+  for (int c = 1; c < 3; c++)
+    if (first == 0 || line_side(&walker->line, &corner[c], &corner[(c + 1) % 3], &is_tie[c]) != first) return 0;
+  return first;
+}
+
+static bool collect_entries(void *user, const uint32_t *faces, size_t count) {
+  ray_walker *walker = user;
+  for (size_t i = 0; i < count; i++) {
+    line_point corner[3];
+    bool is_tie[3];
+    if (face_side(walker, faces[i], corner, is_tie) >= 0) continue;
+    if (!reserve(walker->context, (void **)&walker->entries, &walker->entry_capacity, walker->entry_count + 1,
+                 sizeof *walker->entries))
+      return false;
+    walker->entries[walker->entry_count++] = (walk_entry){cross_face(walker, corner, is_tie).t, faces[i]};
+  }
+  return true;
+}
+
+static void sort_entries(walk_entry *entries, size_t count) {
+  for (size_t i = 1; i < count; i++) {
+    const walk_entry entry = entries[i];
+    size_t j = i;
+    for (; j > 0 && (entries[j - 1].t > entry.t || (entries[j - 1].t == entry.t && entries[j - 1].face > entry.face));
+         j--)
+      entries[j] = entries[j - 1];
+    entries[j] = entry;
+  }
+}
+
+/* Values at both ends of a cell's constant or linear fields. */
+static void fill_segment(const ray_walker *walker, walk_segment *segment, uint32_t tet, const struct crossing *front,
+                         const struct crossing *back) {
+  const bool on_cells = walker->scalar->association == CELLIST_ON_CELLS;
+  const struct crossing *ends[2] = {front, back};
+  segment->tet = tet;
+  for (int end = 0; end < 2; end++) {
+    segment->t[end] = ends[end]->t;
+    segment->scalar[end] = on_cells ? walker->scalar->values[tet] : ends[end]->scalar;
+    if (walker->point_gradients != NULL)
+      memcpy(segment->gradient[end], ends[end]->gradient, sizeof ends[end]->gradient);
+    if (walker->cell_gradients != NULL)
+      memcpy(segment->gradient[end], &walker->cell_gradients[3 * (size_t)tet], sizeof segment->gradient[end]);
+  }
+}
+
+static void cut_at_near(walk_segment *segment, double near_distance) {
+  const double share = (near_distance - segment->t[0]) / (segment->t[1] - segment->t[0]);
+  segment->t[0] = near_distance;
+  segment->scalar[0] = (1 - share) * segment->scalar[0] + share * segment->scalar[1];
+  for (int k = 0; k < 3; k++)
+    segment->gradient[0][k] = (1 - share) * segment->gradient[0][k] + share * segment->gradient[1][k];
+}
+
+static bool is_drawn(const ray_walker *walker, uint32_t tet) {
+  if ((walker->mesh->tet_flags[tet] & CELLIST_TET_FLAT) != 0) return false;
+  if (walker->scalar->association == CELLIST_ON_CELLS) return isfinite(walker->scalar->values[tet]);
+  const uint32_t *v = &walker->mesh->tets[4 * (size_t)tet];
+  const double *s = walker->scalar->values;
+  return isfinite(s[v[0]]) && isfinite(s[v[1]]) && isfinite(s[v[2]]) && isfinite(s[v[3]]);
+}
+
+static bool add_segment(ray_walker *walker, uint32_t tet, const struct crossing *front, const struct crossing *back,
+                        double near_distance) {
+  walker->step_count++;
+  if (!(back->t > near_distance)) return true;
+  walker->ray_steps++;
+  if (!(back->t > front->t) || !is_drawn(walker, tet)) return true;
+  if (!reserve(walker->context, (void **)&walker->segments, &walker->segment_capacity, walker->segment_count + 1,
+               sizeof *walker->segments))
+    return false;
+  walk_segment *segment = &walker->segments[walker->segment_count++];
+  *segment = (walk_segment){0};
+  fill_segment(walker, segment, tet, front, back);
+  if (segment->t[0] < near_distance) cut_at_near(segment, near_distance);
+  return true;
+}
+
+/* The corner of the tet whose opposite face the line leaves by, having come in by the face opposite to `entered`. The
+ * three edges of that face turn the same way; seen from the next face the one that both share turns the other way. */
+static int leave_tet(ray_walker *walker, const line_point point[4], int entered, struct crossing *back) {
+  int side[4] = {0};
+  bool tie[4] = {false};
+  for (int v = 0; v < 4; v++)
+    if (v != entered) side[v] = line_side(&walker->line, &point[entered], &point[v], &tie[v]);
+  for (int left = 0; left < 4; left++) {
+    if (left == entered) continue;
+    const uint8_t *face = CELLIST_TET_FACE[left];
+    line_point corner[3];
+    bool is_tie[3], all = true;
+    for (int c = 0; c < 3; c++) {
+      const int from = face[c], to = face[(c + 1) % 3];
+      corner[c] = point[from];
+      is_tie[c] = false;
+      if (from == entered) {
+        all = all && side[to] > 0;
+        is_tie[c] = tie[to];
+      } else if (to == entered) {
+        all = all && side[from] < 0;
+        is_tie[c] = tie[from];
+      }
+    }
+    if (!all) continue;
+    for (int c = 0; c < 3; c++)
+      if (face[c] != entered && face[(c + 1) % 3] != entered)
+        (void)line_side(&walker->line, &corner[c], &corner[(c + 1) % 3], &is_tie[c]);
+    *back = cross_face(walker, corner, is_tie);
+    return left;
+  }
+  return -1;
+}
+
+/* Follows one chain; *leaves_at is where it ends. */
+static bool walk_chain(ray_walker *walker, uint32_t entry_face, double near_distance, double *leaves_at) {
+  const cellist_mesh_arrays *mesh = walker->mesh;
+  uint32_t tet = entry_face / 4;
+  int entered = (int)(entry_face % 4);
+  line_point corner[3];
+  bool is_tie[3];
+  (void)face_side(walker, entry_face, corner, is_tie);
+  struct crossing front = cross_face(walker, corner, is_tie);
+  for (;;) {
+    line_point point[4];
+    for (int v = 0; v < 4; v++) point[v] = line_project(&walker->line, mesh->tets[4 * (size_t)tet + (size_t)v]);
+    struct crossing back;
+    const int left = leave_tet(walker, point, entered, &back);
+    if (left < 0) break; /* cannot happen: the line that entered a tet leaves it */
+    /* Depths never fall along a chain; where rounding says so, on faces seen edge-on, the length is 0. */
+    if (!(back.t > front.t)) back.t = front.t;
+    if (!add_segment(walker, tet, &front, &back, near_distance)) return false;
+    const uint32_t next = mesh->neighbours[4 * (size_t)tet + (size_t)left];
+    front = back;
+    if (next == CELLIST_NONE) break;
+    const uint32_t opposite[3] = {mesh->tets[4 * (size_t)tet + CELLIST_TET_FACE[left][0]],
+                                  mesh->tets[4 * (size_t)tet + CELLIST_TET_FACE[left][1]],
+                                  mesh->tets[4 * (size_t)tet + CELLIST_TET_FACE[left][2]]};
+    tet = next;
+    for (entered = 0; entered < 3; entered++) {
+      const uint32_t v = mesh->tets[4 * (size_t)tet + (size_t)entered];
+      if (v != opposite[0] && v != opposite[1] && v != opposite[2]) break;
+    }
+  }
+  *leaves_at = front.t;
+  return true;
+}
+
+static bool lies_before(const walk_segment *a, const walk_segment *b) {
+  const double middle_a = 0.5 * a->t[0] + 0.5 * a->t[1], middle_b = 0.5 * b->t[0] + 0.5 * b->t[1];
+  return middle_a < middle_b || (middle_a == middle_b && a->tet < b->tet);
+}
+
+/* Merges the segments of one more chain into those of earlier chains that reach beyond its beginning. */
+static void merge_chain(walk_segment *segments, size_t chain_begin, size_t count) {
+  for (size_t i = chain_begin; i < count; i++) {
+    if (i == 0 || !lies_before(&segments[i], &segments[i - 1])) continue;
+    const walk_segment moved = segments[i];
+    size_t j = i;
+    for (; j > 0 && lies_before(&moved, &segments[j - 1]); j--) segments[j] = segments[j - 1];
+    segments[j] = moved;
+  }
+}
+
+bool walk_ray(ray_walker *walker, const double origin[3], const double direction[3], double near_distance) {
+  walker->entry_count = walker->segment_count = 0;
+  walker->ray_steps = 0;
+  line_begin(&walker->line, walker->mesh->positions, walker->mesh->bounds, origin, direction);
+  if (!hierarchy_query(walker->hierarchy, origin, direction, collect_entries, walker)) return false;
+  sort_entries(walker->entries, walker->entry_count);
+  double reached = -HUGE_VAL;
+  bool folds = false;
+  for (size_t i = 0; i < walker->entry_count; i++) {
+    const double enters_at = walker->entries[i].t;
+    const size_t chain_begin = walker->segment_count;
+    double leaves_at = enters_at;
+    if (!walk_chain(walker, walker->entries[i].face, near_distance, &leaves_at)) return false;
+    if (enters_at < reached) {
+      merge_chain(walker->segments, chain_begin, walker->segment_count);
+      const double tolerance = FOLD_TOLERANCE * fmax(fabs(enters_at), fmax(fabs(reached), fabs(leaves_at)));
+      folds = folds || fmin(reached, leaves_at) - enters_at > tolerance;
+    }
+    reached = fmax(reached, leaves_at);
+  }
+  walker->ray_count += walker->entry_count > 0;
+  walker->total_entries += walker->entry_count;
+  walker->fold_ray_count += folds;
+  walker->retry_count += walker->line.retry_count;
+  return true;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Walk: the segments of one ray through the mesh, from near to far. Private to the reference caster. */
+#ifndef CELLIST_RAYCAST_REFERENCE_WALK_H
+#define CELLIST_RAYCAST_REFERENCE_WALK_H
+
+#include <cellist/mesh.h>
+
+#include "hierarchy.h"
+#include "line.h"
+
+/* The part of a ray that lies in one cell, beyond the near plane. The scalar is linear between its ends. */
+typedef struct walk_segment {
+  double t[2]; /* the ray's parameter at the front and at the back */
+  double scalar[2];
+  double gradient[2][3]; /* filled if the walker has gradients */
+  uint32_t tet;
+} walk_segment;
+
+typedef struct walk_entry {
+  double t;
+  uint32_t face; /* 4 * tet + corner */
+} walk_entry;
+
+/* What a walk reads, and its scratch; one per worker. */
+typedef struct ray_walker {
+  cellist_context *context;
+  const cellist_mesh_arrays *mesh;
+  const cellist_scalar *scalar;
+  const face_hierarchy *hierarchy;
+  const double *point_gradients; /* [3 points] or NULL */
+  const double *cell_gradients;  /* [3 tets] or NULL */
+
+  ray_line line;
+  walk_entry *entries;
+  size_t entry_count, entry_capacity;
+  walk_segment *segments;
+  size_t segment_count, segment_capacity;
+
+  uint64_t ray_count, total_entries, step_count, retry_count, fold_ray_count; /* over all rays so far */
+  uint32_t ray_steps; /* cells of this ray beyond the near plane */
+} ray_walker;
+
+/* Fills segments for the ray; segments of zero length and cells without a finite scalar are left out. Returns false if
+ * there was no memory. */
+bool walk_ray(ray_walker *walker, const double origin[3], const double direction[3], double near_distance);
+
+void walk_release(ray_walker *walker);
+
+#endif
