@@ -7,7 +7,11 @@ set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cellist)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/cellist-config.cmake.in ${PROJECT_BINARY_DIR}/cellist-config.cmake
   INSTALL_DESTINATION ${config_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cellist-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/cellist-config.cmake ${PROJECT_BINARY_DIR}/cellist-config-version.cmake
+get_property(dependencies GLOBAL PROPERTY CELLIST_STATIC_DEPENDENCIES)
+list(REMOVE_DUPLICATES dependencies)
+list(JOIN dependencies "\n" dependencies)
+file(WRITE ${PROJECT_BINARY_DIR}/cellist-dependencies.cmake "${dependencies}\n")
+install(FILES ${PROJECT_BINARY_DIR}/cellist-dependencies.cmake ${PROJECT_BINARY_DIR}/cellist-config.cmake ${PROJECT_BINARY_DIR}/cellist-config-version.cmake
   DESTINATION ${config_folder})
 install(EXPORT cellist-targets NAMESPACE cellist:: DESTINATION ${config_folder})
 

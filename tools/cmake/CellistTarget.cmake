@@ -55,3 +55,9 @@ function(cellist_add_library name)
   install(FILES ${PROJECT_BINARY_DIR}/cellist-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
   set_property(GLOBAL APPEND PROPERTY CELLIST_INSTALLED_MODULES ${name})
 endfunction()
+
+# cellist_static_dependencies("find_dependency(ZLIB)" ...): what find_package(cellist) must find first, since a static
+# library hands on what its sources link to.
+function(cellist_static_dependencies)
+  set_property(GLOBAL APPEND PROPERTY CELLIST_STATIC_DEPENDENCIES ${ARGN})
+endfunction()
