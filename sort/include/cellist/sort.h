@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Sort: the cells of a tetrahedral mesh in exact visibility order, from far to near.
+ *
+ * The order depends on the eye's position alone (or on the direction of a parallel view): turning the head, zooming
+ * and resizing the picture keep it. It holds for every half-line that starts at the eye, behind the camera too.
+ * This module needs nothing but cellist::base; it takes plain arrays. */
+#ifndef CELLIST_SORT_H
+#define CELLIST_SORT_H
+
+#include <cellist/context.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct cellist_sorter cellist_sorter;
+
+/* What a sorter sorts. Every array is the caller's and is borrowed: it must stay as it is while the sorter lives.
+ * {0} is valid: no cells. Cells in Hilbert order are sorted two to three times faster than cells in disorder. */
+typedef struct cellist_sorter_desc {
+  size_t point_count;
+  const double *points; /* [3 point_count] x y z, finite where a tet uses them */
+  size_t tet_count;     /* below 2^30 */
+  const uint32_t *tets; /* [4 tet_count] point ids, det[v1-v0, v2-v0, v3-v0] >= 0 */
+  /* [4 tet_count] the tet across the face opposite to corner k, or CELLIST_NONE. Tets are each other's neighbours or
+   * neither is the other's, and lie on the two sides of the face that they share. */
+  const uint32_t *neighbours;
+} cellist_sorter_desc;
+
+/* Where a view looks from. */
+typedef struct cellist_viewpoint {
+  double position[3]; /* the eye, in the points' frame; parallel: the direction in which the view looks, not 0 */
+  bool parallel;
+} cellist_viewpoint;
+
+/* What a sort found. */
+typedef struct cellist_sort_stats {
+  bool exact;           /* false: gaps between parts of a concave mesh were ordered by distance, and so were cycles */
+  size_t group_count;   /* sets of cells that lie in front of each other in a circle */
+  size_t largest_group; /* cells */
+  size_t cells_in_groups;
+  size_t exact_sign_count; /* face planes so close to the eye that floating point could not decide */
+} cellist_sort_stats;
+
+/* A group of the order: order[begin] to order[begin + count - 1] lie in front of each other in a circle, so that no
+ * order of whole cells is right for every ray; before and after them the order is right. */
+typedef struct cellist_group {
+  size_t begin, count;
+} cellist_group;
+
+/* Makes a sorter.
+ * Arrays: see cellist_sorter_desc; borrowed. *sorter is the caller's, for cellist_sorter_destroy.
+ * Errors: INVALID_ARGUMENT (an array is NULL, a point id or neighbour out of range, neighbours that do not know each
+ *   other), GEOMETRY (a coordinate that is not finite, a tet of negative volume), UNSUPPORTED (2^30 tets or more),
+ *   OUT_OF_MEMORY; the message names the tet.
+ * Threads: one call per context at a time; the context must outlive the sorter.
+ * Cost: linear. */
+CELLIST_API cellist_result cellist_sorter_create(cellist_context *context, const cellist_sorter_desc *desc,
+                                                 cellist_sorter **sorter);
+
+/* Frees the sorter; NULL is legal. */
+CELLIST_API void cellist_sorter_destroy(cellist_sorter *sorter);
+
+/* Writes the order of all tets for one view: of two cells on one ray the farther one comes first, unless both
+ * are in one group. A face whose plane holds the eye puts neither of its cells first: no ray crosses it.
+ * Arrays: order has tet_count entries and is the caller's; stats may be NULL.
+ * Errors: INVALID_ARGUMENT (NULL, a position that is not finite, a direction of length 0), OUT_OF_MEMORY.
+ * Threads: one call per sorter at a time, using the context's workers; the same order for any number of workers.
+ * Cost: see the module's README; memory of earlier calls is used again. */
+CELLIST_API cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint,
+                                               uint32_t *order, cellist_sort_stats *stats);
+
+/* The groups of the last sort, ascending by begin.
+ * Arrays: *groups has *count entries and belongs to the sorter until its next sort.
+ * Errors: none. Threads: as cellist_sorter_sort. Cost: constant. */
+CELLIST_API void cellist_sorter_groups(const cellist_sorter *sorter, const cellist_group **groups, size_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Sorter: what a caller meets. Checks what is given, keeps what views share, and runs one view's stages. */
+#include "sorter.h"
+
+#include <math.h>
+
+#include "convexity.h"
+#include "faces.h"
+#include "mpvo.h"
+
+enum { TET_LIMIT = 1 << 30 }; /* 4 tet + corner must fit 32 bits, CELLIST_NONE apart */
+
+static cellist_result check_tet(cellist_context *context, const cellist_sorter_desc *mesh, uint32_t tet) {
+  const uint32_t *v = &mesh->tets[4 * (size_t)tet];
+  const double *p[4];
+  for (int k = 0; k < 4; k++) {
+    if (v[k] >= mesh->point_count)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "tet %u uses point %u of %zu", tet, v[k],
+                          mesh->point_count);
+    p[k] = &mesh->points[3 * (size_t)v[k]];
+    if (!isfinite(p[k][0]) || !isfinite(p[k][1]) || !isfinite(p[k][2]))
+      return cellist_fail(context, CELLIST_ERROR_GEOMETRY, "tet %u uses point %u at (%g, %g, %g)", tet, v[k], p[k][0],
+                          p[k][1], p[k][2]);
+  }
+  if (cellist_orient3d(p[0], p[1], p[2], p[3]) < 0)
+    return cellist_fail(context, CELLIST_ERROR_GEOMETRY, "tet %u has a negative volume", tet);
+  return CELLIST_SUCCESS;
+}
+
+static cellist_result check_neighbours(cellist_context *context, const cellist_sorter_desc *mesh, uint32_t tet) {
+  for (uint32_t k = 0; k < 4; k++) {
+    const uint32_t other = mesh->neighbours[4 * (size_t)tet + k];
+    if (other == CELLIST_NONE) continue;
+    if (other >= mesh->tet_count || other == tet)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "tet %u has tet %u of %zu as its neighbour", tet,
+                          other, mesh->tet_count);
+    const uint32_t back = sort_opposite_corner(mesh, tet, k, other);
+    if (back == 4 || mesh->neighbours[4 * (size_t)other + back] != tet)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "tet %u has tet %u as its neighbour across a face that tet %u does not know", tet, other,
+                          other);
+  }
+  return CELLIST_SUCCESS;
+}
+
+static cellist_result check_mesh(cellist_context *context, const cellist_sorter_desc *mesh) {
+  if (mesh->tet_count >= TET_LIMIT)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "%zu tets are more than 32-bit ids allow", mesh->tet_count);
+  if (mesh->tet_count > 0 && (mesh->points == NULL || mesh->tets == NULL || mesh->neighbours == NULL))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_sorter_create: an array is NULL");
+  cellist_result result = CELLIST_SUCCESS;
+  for (uint32_t i = 0; i < mesh->tet_count && result == CELLIST_SUCCESS; i++) result = check_tet(context, mesh, i);
+  for (uint32_t i = 0; i < mesh->tet_count && result == CELLIST_SUCCESS; i++)
+    result = check_neighbours(context, mesh, i);
+  return result;
+}
+
+static cellist_result prepare(cellist_sorter *sorter) {
+  cellist_context *context = sorter->context;
+  cellist_result result = check_mesh(context, &sorter->mesh);
+  if (result == CELLIST_SUCCESS) result = sort_is_convex(context, &sorter->mesh, &sorter->convex);
+  if (result != CELLIST_SUCCESS) return result;
+  sorter->state = cellist_allocate(context, sorter->mesh.tet_count, sizeof *sorter->state);
+  sorter->heap = cellist_allocate(context, sorter->mesh.tet_count, sizeof *sorter->heap);
+  return sorter->state != NULL && sorter->heap != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
+}
+
+cellist_result cellist_sorter_create(cellist_context *context, const cellist_sorter_desc *desc,
+                                     cellist_sorter **sorter) {
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (desc == NULL || sorter == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_sorter_create: desc or sorter is NULL");
+  cellist_sorter *created = cellist_allocate_zeroed(context, 1, sizeof *created);
+  if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  created->context = context;
+  created->mesh = *desc;
+  const cellist_result result = prepare(created);
+  if (result == CELLIST_SUCCESS)
+    *sorter = created;
+  else
+    cellist_sorter_destroy(created);
+  return result;
+}
+
+void cellist_sorter_destroy(cellist_sorter *sorter) {
+  if (sorter == NULL) return;
+  cellist_context *context = sorter->context;
+  cellist_deallocate(context, sorter->state);
+  cellist_deallocate(context, sorter->heap);
+  cellist_deallocate(context, sorter);
+}
+
+cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint, uint32_t *order,
+                                   cellist_sort_stats *stats) {
+  if (sorter == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (viewpoint == NULL || (order == NULL && sorter->mesh.tet_count > 0))
+    return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_sorter_sort: NULL");
+  const double *at = viewpoint->position;
+  if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2]))
+    return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "a viewpoint at (%g, %g, %g)", at[0], at[1],
+                        at[2]);
+  if (viewpoint->parallel && at[0] == 0 && at[1] == 0 && at[2] == 0)
+    return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "a parallel view without a direction");
+  const sort_eye eye = sort_eye_of(viewpoint);
+  cellist_sort_stats found = {.exact = true};
+  sort_by_faces(sorter, &eye, order, &found);
+  if (stats != NULL) *stats = found;
+  return CELLIST_SUCCESS;
+}
+
+void cellist_sorter_groups(const cellist_sorter *sorter, const cellist_group **groups, size_t *count) {
+  *groups = sorter->groups;
+  *count = sorter->group_count;
+}
