@@ -87,6 +87,32 @@ double reference_piece_weights(double a, double b, double *front, double *back) 
   return depth;
 }
 
+/* exp(-50) is 2e-22: nothing behind that shows beside 1. */
+static const double VISIBLE_DEPTH = 50;
+
+void reference_piece_nodes(double a, double b, int attenuated, int parts, reference_node visit, void *user) {
+  a = fmin(a, DEPTH_LIMIT);
+  b = fmin(b, DEPTH_LIMIT);
+  const double depth = 0.5 * a + 0.5 * b, limit = attenuated ? fmin(depth, VISIBLE_DEPTH) : 0;
+  const int panels = limit > 1 ? (int)ceil(limit) : 1;
+  double low = 0;
+  for (int p = 1; p <= panels; p++) {
+    /* Where the depth is y: the root of (b - a) w^2 / 2 + a w = y, written without cancellation. */
+    const double y = limit * p / panels;
+    const bool is_end = p == panels && !(attenuated && depth > VISIBLE_DEPTH);
+    const double high = is_end ? 1 : 2 * y / (a + sqrt(fmax(0, a * a + 2 * (b - a) * y)));
+    for (int part = 0; part < parts; part++) {
+      const double width = (high - low) / parts, begin = low + part * width;
+      for (int i = 0; i < 10; i++) {
+        const double w = begin + width * NODE10[i];
+        const double so_far = attenuated ? w * (a * (1 - 0.5 * w) + b * 0.5 * w) : 0;
+        visit(user, w, width * WEIGHT10[i] * (a * (1 - w) + b * w) * exp(-so_far));
+      }
+    }
+    low = high;
+  }
+}
+
 /* The number of knots that lie before the scalar, so that the scalar lies between knots interval - 1 and interval. Of
  * knots at the scalar itself, those count if `ascending`: the piece that begins there lies above them. */
 static size_t interval_of(const cellist_transfer *transfer, double scalar, int above) {

@@ -51,6 +51,7 @@ void line_begin(ray_line *line, const double *positions, const double bounds[6],
     for (int side = 0; side < 6; side += 3)
       reach = fmax(reach, fabs(bounds[k + side] * line->scale - origin[k] * line->scale));
   line->error = SIDE_ERROR * reach;
+  line->depth_error = SIDE_ERROR * reach * fabs(line->depth_per_z);
 }
 
 line_point line_project(const ray_line *line, uint32_t point) {
@@ -86,12 +87,14 @@ int line_side(ray_line *line, const line_point *a, const line_point *b, bool *is
   return sign != 0 ? sign : extent_sign(line, a->id, b->id, line->x);
 }
 
-void line_face_weights(const line_point corner[3], const bool is_tie[3], double weight[3]) {
+line_crossing line_cross_face(const ray_line *line, const line_point corner[3], const bool is_tie[3]) {
+  line_crossing crossing = {.depth_error = line->depth_error};
   const line_point *a = &corner[0], *b = &corner[1], *c = &corner[2];
-  double sum = 0;
+  double *weight = crossing.weight, doubt[3], sum = 0;
   for (int k = 0; k < 3; k++) {
     const line_point *from = &corner[(k + 1) % 3], *to = &corner[(k + 2) % 3];
     weight[k] = is_tie[(k + 1) % 3] ? 0 : fabs(from->x * to->y - from->y * to->x);
+    doubt[k] = line->error * (fabs(from->x) + fabs(from->y) + fabs(to->x) + fabs(to->y) + line->error);
     sum += weight[k];
   }
   if (!(sum > 0)) { /* the line lies in the face's plane: where the displaced line passes as the shift vanishes */
@@ -106,5 +109,21 @@ void line_face_weights(const line_point corner[3], const bool is_tie[3], double 
     weight[2] = fabs(b->x - a->x);
     sum = weight[0] + weight[1] + weight[2];
   }
-  for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
+  double beside_x = 0, beside_y = 0;
+  for (int k = 0; k < 3; k++) {
+    weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
+    crossing.depth += weight[k] * corner[k].z;
+    beside_x += weight[k] * corner[k].x;
+    beside_y += weight[k] * corner[k].y;
+  }
+  double spread = 0;
+  for (int k = 0; k < 3; k++) {
+    const double distance = fabs(corner[k].z - crossing.depth);
+    spread = fmax(spread, distance);
+    crossing.depth_error += doubt[k] / sum * distance;
+  }
+  /* The true point lies in the face as well. */
+  if (!(crossing.depth_error < spread + line->depth_error)) crossing.depth_error = spread + line->depth_error;
+  crossing.offset = (fabs(beside_x) + fabs(beside_y) + line->error) / line->scale;
+  return crossing;
 }

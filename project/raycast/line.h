@@ -17,7 +17,8 @@ typedef struct ray_line {
   double shear_x, shear_y; /* direction[x] / direction[z], direction[y] / direction[z] */
   double scale;            /* a power of two; scaled coordinates are below 1 */
   double depth_per_z;      /* ray parameter per scaled z */
-  double error;            /* of a side test, per sum of its scaled coordinates */
+  double error;            /* of a side test, per sum of its scaled coordinates; more than that of a coordinate */
+  double depth_error;      /* of line_point.z */
   uint64_t retry_count;    /* side tests that took exact arithmetic */
 } ray_line;
 
@@ -38,7 +39,16 @@ line_point line_project(const ray_line *line, uint32_t point);
  * the line itself, and the shift decided. */
 int line_side(ray_line *line, const line_point *a, const line_point *b, bool *is_tie);
 
-/* Where the line passes through a face all of whose edges pass on the same side: weights of a, b, c, of sum 1. */
-void line_face_weights(const line_point corner[3], const bool is_tie[3], double weight[3]);
+/* Where the line passes through a face: weights of its corners, of sum 1, and what rounding may have done to them. The
+ * point that they mean lies in the face; on a face seen edge-on it may lie some way along it. */
+typedef struct line_crossing {
+  double weight[3];
+  double depth;       /* the ray's parameter there */
+  double depth_error; /* how far the ray's true parameter may be from that */
+  double offset;      /* how far the point may lie beside the ray, in the mesh's units */
+} line_crossing;
+
+/* corner: of a face all of whose edges pass on the same side; is_tie[c]: of the edge from corner c to the next. */
+line_crossing line_cross_face(const ray_line *line, const line_point corner[3], const bool is_tie[3]);
 
 #endif

@@ -12,8 +12,12 @@ struct cellist_raycaster {
   const cellist_mesh *mesh;
   const cellist_scalar *scalar;
   cellist_raycaster_desc desc;
-  bool has_hierarchy; /* made at the first render by reference */
+  /* For `reference`, made at the first picture that needs them. */
+  bool has_hierarchy;
   face_hierarchy hierarchy;
+  float *slopes;           /* [tets] see gradients.h */
+  double *point_gradients; /* [3 points] */
+  double *cell_gradients;  /* [3 tets] */
 };
 
 /* The arguments have been checked; stats is not NULL. */

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "gradients.h"
 #include "raycaster.h"
 #include "reference_shade.h"
 #include "reference_walk.h"
@@ -19,16 +20,21 @@ struct planes {
   float *colour[3], *alpha, *z, *z_back, *transmittance, *cells, *segments;
 };
 
+/* What a worker keeps. */
+struct hand {
+  ray_walker walker;
+  uint64_t segment_count;
+  double error;
+};
+
 struct job {
   cellist_raycaster *caster;
   const cellist_frame *frame;
-  const cellist_transfer *transfer;
-  const cellist_optics *optics;
+  const shade_scene *scene;
   const cellist_raycast_output *output;
   struct planes planes;
-  size_t first_tile;   /* of the stage */
-  ray_walker *walkers; /* one per worker */
-  uint64_t *segment_counts;
+  size_t first_tile;  /* of the stage */
+  struct hand *hands; /* one per worker */
   atomic_bool failed;
 };
 
@@ -70,8 +76,8 @@ static void store(const struct job *job, size_t at, const shade_pixel *pixel, ui
   put(job->planes.segments, at, pixel->segment_count);
 }
 
-static void draw_pixel(struct job *job, uint32_t x, uint32_t y, unsigned worker) {
-  ray_walker *walker = &job->walkers[worker];
+static void draw_pixel(struct job *job, uint32_t x, uint32_t y, struct hand *hand) {
+  ray_walker *walker = &hand->walker;
   double origin[3], direction[3];
   cellist_frame_ray(job->frame, x + 0.5, y + 0.5, origin, direction);
   if (!walk_ray(walker, origin, direction, job->frame->near_distance)) {
@@ -79,9 +85,9 @@ static void draw_pixel(struct job *job, uint32_t x, uint32_t y, unsigned worker)
     return;
   }
   const double length_per_t = hypot(hypot(direction[0], direction[1]), direction[2]);
-  const shade_pixel pixel =
-      shade_segments(job->optics, job->transfer, walker->segments, walker->segment_count, length_per_t);
-  job->segment_counts[worker] += pixel.segment_count;
+  const shade_pixel pixel = shade_segments(job->scene, walker->segments, walker->segment_count, length_per_t);
+  hand->segment_count += pixel.segment_count;
+  hand->error = fmax(hand->error, pixel.error);
   store(job, (size_t)y * job->frame->width + x, &pixel, walker->ray_steps);
 }
 
@@ -91,7 +97,7 @@ static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
   for (size_t tile = job->first_tile + begin; tile < job->first_tile + end && !atomic_load(&job->failed); tile++) {
     const uint32_t left = (uint32_t)(tile % across) * TILE, top = (uint32_t)(tile / across) * TILE;
     for (uint32_t y = top; y < height && y < top + TILE; y++)
-      for (uint32_t x = left; x < width && x < left + TILE; x++) draw_pixel(job, x, y, worker);
+      for (uint32_t x = left; x < width && x < left + TILE; x++) draw_pixel(job, x, y, &job->hands[worker]);
   }
 }
 
@@ -111,45 +117,85 @@ static cellist_result draw_all(cellist_context *context, struct job *job) {
 
 static void sum_up(const struct job *job, unsigned worker_count, cellist_raycast_stats *stats) {
   for (unsigned i = 0; i < worker_count; i++) {
-    const ray_walker *walker = &job->walkers[i];
+    const ray_walker *walker = &job->hands[i].walker;
     stats->ray_count += walker->ray_count;
     stats->entry_count += walker->total_entries;
     stats->step_count += walker->step_count;
-    stats->segment_count += job->segment_counts[i];
+    stats->segment_count += job->hands[i].segment_count;
     stats->retry_count += walker->retry_count;
     stats->fold_ray_count += walker->fold_ray_count;
+    stats->error_bound = fmax(stats->error_bound, job->hands[i].error);
   }
-  stats->error_bound = HUGE_VAL;
+}
+
+/* What later pictures use again. */
+static cellist_result prepare(cellist_raycaster *caster, const cellist_optics *optics) {
+  cellist_context *context = caster->context;
+  const cellist_mesh_arrays *mesh = cellist_mesh_get_arrays(caster->mesh);
+  if (!caster->has_hierarchy) {
+    const cellist_result result = hierarchy_build(context, mesh, &caster->hierarchy);
+    if (result != CELLIST_SUCCESS) return result;
+    caster->has_hierarchy = true;
+  }
+  if (caster->slopes == NULL && caster->scalar->association == CELLIST_ON_POINTS) {
+    caster->slopes = cellist_allocate(context, mesh->tet_count, sizeof *caster->slopes);
+    if (caster->slopes == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    gradient_slopes(context, mesh, caster->scalar, caster->slopes);
+  }
+  if (!optics->light.enabled) return CELLIST_SUCCESS;
+  if (optics->light.cell_gradients && caster->cell_gradients == NULL) {
+    caster->cell_gradients = cellist_allocate(context, mesh->tet_count, 3 * sizeof *caster->cell_gradients);
+    if (caster->cell_gradients == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    gradients_of_cells(context, mesh, caster->scalar, caster->cell_gradients);
+  }
+  if (!optics->light.cell_gradients && caster->point_gradients == NULL) {
+    double *gradients = cellist_allocate(context, mesh->point_count, 3 * sizeof *gradients);
+    if (gradients == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    const cellist_result result = gradients_at_points(context, mesh, caster->scalar, gradients);
+    if (result != CELLIST_SUCCESS) {
+      cellist_deallocate(context, gradients);
+      return result;
+    }
+    caster->point_gradients = gradients;
+  }
+  return CELLIST_SUCCESS;
+}
+
+static cellist_result draw_scene(cellist_raycaster *caster, const cellist_frame *frame, const shade_scene *scene,
+                                 const cellist_raycast_output *output, cellist_raycast_stats *stats) {
+  cellist_context *context = caster->context;
+  const cellist_light *light = &scene->optics.light;
+  const unsigned worker_count = cellist_context_worker_count(context);
+  struct job job = {.caster = caster, .frame = frame, .scene = scene, .output = output};
+  job.planes = planes_of(output->image);
+  atomic_init(&job.failed, false);
+  job.hands = cellist_allocate_zeroed(context, worker_count, sizeof *job.hands);
+  if (job.hands == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (unsigned i = 0; i < worker_count; i++) {
+    ray_walker *walker = &job.hands[i].walker;
+    walker->context = context;
+    walker->mesh = cellist_mesh_get_arrays(caster->mesh);
+    walker->scalar = caster->scalar;
+    walker->hierarchy = &caster->hierarchy;
+    walker->slopes = caster->slopes;
+    if (light->enabled && light->cell_gradients) walker->cell_gradients = caster->cell_gradients;
+    if (light->enabled && !light->cell_gradients) walker->point_gradients = caster->point_gradients;
+  }
+  const cellist_result result = draw_all(context, &job);
+  sum_up(&job, worker_count, stats);
+  for (unsigned i = 0; i < worker_count; i++) walk_release(&job.hands[i].walker);
+  cellist_deallocate(context, job.hands);
+  return result;
 }
 
 cellist_result raycaster_render_reference(cellist_raycaster *caster, const cellist_frame *frame,
                                           const cellist_transfer *transfer, const cellist_optics *optics,
                                           const cellist_raycast_output *output, cellist_raycast_stats *stats) {
-  cellist_context *context = caster->context;
-  if (!caster->has_hierarchy) {
-    const cellist_result result = hierarchy_build(context, cellist_mesh_get_arrays(caster->mesh), &caster->hierarchy);
-    if (result != CELLIST_SUCCESS) return result;
-    caster->has_hierarchy = true;
-  }
-  const unsigned worker_count = cellist_context_worker_count(context);
-  struct job job = {.caster = caster, .frame = frame, .transfer = transfer, .optics = optics, .output = output};
-  job.planes = planes_of(output->image);
-  atomic_init(&job.failed, false);
-  job.walkers = cellist_allocate_zeroed(context, worker_count, sizeof *job.walkers);
-  job.segment_counts = cellist_allocate_zeroed(context, worker_count, sizeof *job.segment_counts);
-  cellist_result result = CELLIST_ERROR_OUT_OF_MEMORY;
-  if (job.walkers != NULL && job.segment_counts != NULL) {
-    for (unsigned i = 0; i < worker_count; i++) {
-      job.walkers[i].context = context;
-      job.walkers[i].mesh = cellist_mesh_get_arrays(caster->mesh);
-      job.walkers[i].scalar = caster->scalar;
-      job.walkers[i].hierarchy = &caster->hierarchy;
-    }
-    result = draw_all(context, &job);
-    sum_up(&job, worker_count, stats);
-    for (unsigned i = 0; i < worker_count; i++) walk_release(&job.walkers[i]);
-  }
-  cellist_deallocate(context, job.walkers);
-  cellist_deallocate(context, job.segment_counts);
+  cellist_result result = prepare(caster, optics);
+  if (result != CELLIST_SUCCESS) return result;
+  shade_scene scene;
+  result = shade_begin(caster->context, optics, transfer, frame, &scene);
+  if (result == CELLIST_SUCCESS) result = draw_scene(caster, frame, &scene, output, stats);
+  shade_end(caster->context, &scene);
   return result;
 }

@@ -20,6 +20,9 @@
  */
 static const double FOLD_TOLERANCE = 1e-10;
 
+/* Three products, two sums and the interpolation along a segment: 8 u. */
+static const double SCALAR_ROUNDING = 8 * 0x1p-53;
+
 static bool reserve(cellist_context *context, void **block, size_t *capacity, size_t count, size_t size) {
   if (count <= *capacity) return true;
   const size_t wanted = count < 64 ? 64 : 2 * count;
@@ -40,20 +43,21 @@ void walk_release(ray_walker *walker) {
 
 /* A point where the line passes a face, with what is interpolated there. */
 struct crossing {
-  double t, scalar, gradient[3];
+  double t, t_error, offset, scalar, largest_scalar, gradient[3];
 };
 
 static struct crossing cross_face(const ray_walker *walker, const line_point corner[3], const bool is_tie[3]) {
-  double weight[3];
-  line_face_weights(corner, is_tie, weight);
-  struct crossing crossing = {0};
+  const line_crossing at = line_cross_face(&walker->line, corner, is_tie);
+  struct crossing crossing = {.t = at.depth, .t_error = at.depth_error, .offset = at.offset};
   for (int c = 0; c < 3; c++) {
-    crossing.t += weight[c] * corner[c].z;
-    if (walker->scalar->association == CELLIST_ON_POINTS)
-      crossing.scalar += weight[c] * walker->scalar->values[corner[c].id];
+    if (walker->scalar->association == CELLIST_ON_POINTS) {
+      const double value = walker->scalar->values[corner[c].id];
+      crossing.scalar += at.weight[c] * value;
+      crossing.largest_scalar = fmax(crossing.largest_scalar, fabs(value));
+    }
     if (walker->point_gradients != NULL)
       for (int k = 0; k < 3; k++)
-        crossing.gradient[k] += weight[c] * walker->point_gradients[3 * (size_t)corner[c].id + (size_t)k];
+        crossing.gradient[k] += at.weight[c] * walker->point_gradients[3 * (size_t)corner[c].id + (size_t)k];
   }
   return crossing;
 }
@@ -100,8 +104,14 @@ static void fill_segment(const ray_walker *walker, walk_segment *segment, uint32
   const bool on_cells = walker->scalar->association == CELLIST_ON_CELLS;
   const struct crossing *ends[2] = {front, back};
   segment->tet = tet;
+  if (!on_cells) {
+    const double slope = walker->slopes != NULL ? (double)walker->slopes[tet] : 0;
+    const double largest = fmax(front->largest_scalar, back->largest_scalar);
+    segment->scalar_error = SCALAR_ROUNDING * largest + fmin(slope * fmax(front->offset, back->offset), 2 * largest);
+  }
   for (int end = 0; end < 2; end++) {
     segment->t[end] = ends[end]->t;
+    segment->t_error[end] = ends[end]->t_error;
     segment->scalar[end] = on_cells ? walker->scalar->values[tet] : ends[end]->scalar;
     if (walker->point_gradients != NULL)
       memcpy(segment->gradient[end], ends[end]->gradient, sizeof ends[end]->gradient);
@@ -113,6 +123,7 @@ static void fill_segment(const ray_walker *walker, walk_segment *segment, uint32
 static void cut_at_near(walk_segment *segment, double near_distance) {
   const double share = (near_distance - segment->t[0]) / (segment->t[1] - segment->t[0]);
   segment->t[0] = near_distance;
+  segment->t_error[0] = 0;
   segment->scalar[0] = (1 - share) * segment->scalar[0] + share * segment->scalar[1];
   for (int k = 0; k < 3; k++)
     segment->gradient[0][k] = (1 - share) * segment->gradient[0][k] + share * segment->gradient[1][k];
@@ -192,7 +203,10 @@ static bool walk_chain(ray_walker *walker, uint32_t entry_face, double near_dist
     const int left = leave_tet(walker, point, entered, &back);
     if (left < 0) break; /* cannot happen: the line that entered a tet leaves it */
     /* Depths never fall along a chain; where rounding says so, on faces seen edge-on, the length is 0. */
-    if (!(back.t > front.t)) back.t = front.t;
+    if (!(back.t > front.t)) {
+      back.t_error += front.t - back.t;
+      back.t = front.t;
+    }
     if (!add_segment(walker, tet, &front, &back, near_distance)) return false;
     const uint32_t next = mesh->neighbours[4 * (size_t)tet + (size_t)left];
     front = back;

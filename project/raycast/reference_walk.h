@@ -10,8 +10,10 @@
 
 /* The part of a ray that lies in one cell, beyond the near plane. The scalar is linear between its ends. */
 typedef struct walk_segment {
-  double t[2]; /* the ray's parameter at the front and at the back */
+  double t[2];       /* the ray's parameter at the front and at the back */
+  double t_error[2]; /* how far they may be off */
   double scalar[2];
+  double scalar_error;   /* how far the scalar may be off anywhere on the segment */
   double gradient[2][3]; /* filled if the walker has gradients */
   uint32_t tet;
 } walk_segment;
@@ -29,6 +31,7 @@ typedef struct ray_walker {
   const face_hierarchy *hierarchy;
   const double *point_gradients; /* [3 points] or NULL */
   const double *cell_gradients;  /* [3 tets] or NULL */
+  const float *slopes;           /* [tets] at least the length of the scalar's gradient; NULL: 0 */
 
   ray_line line;
   walk_entry *entries;

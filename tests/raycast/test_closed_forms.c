@@ -58,7 +58,7 @@ static size_t compare(const cast_scene *scene, const struct body *body, const ce
                       back * (low->colour[k] + (high->colour[k] - (real)low->colour[k]) * ends[1]);
     }
     for (int k = 0; k < 4; k++)
-      if (!(fabsl(picture.rgba[4 * i + (size_t)k] - expected[k]) <= 1e-12L))
+      if (!(fabsl(picture.rgba[4 * i + (size_t)k] - expected[k]) <= fminl(1e-12L, picture.stats.error_bound)))
         fail_msg("pixel %u channel %d: %.17g instead of %.17Lg", i, k, picture.rgba[4 * i + (size_t)k], expected[k]);
     assert_true(fabs(picture.transmittance[i] - (double)(1 - expected[3])) <= 1e-12);
     if (hit && chord[1] - chord[0] > 1e-9L) {
@@ -69,6 +69,7 @@ static size_t compare(const cast_scene *scene, const struct body *body, const ce
     if (!hit && picture.cells[i] == 0) assert_true(isinf(picture.z[i]) && picture.z_back[i] == 0);
   }
   assert_int_equal(picture.stats.fold_ray_count, 0);
+  assert_true(picture.stats.error_bound < 1e-10);
   picture_release(&picture);
   return hits;
 }

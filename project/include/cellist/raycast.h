@@ -59,7 +59,8 @@ typedef struct cellist_raycast_output {
 
 /* What a render did and found. */
 typedef struct cellist_raycast_stats {
-  double error_bound;      /* of `reference`: no value of R G B A is further from the exact one of the mesh's doubles */
+  double error_bound;      /* of `reference`: no value of R G B A is further from the exact one for the mesh's doubles;
+                              infinity where no bound is known (lit volumes and surfaces; `fast`) */
   uint64_t ray_count;      /* rays that met the mesh */
   uint64_t entry_count;    /* boundary faces through which they came in */
   uint64_t step_count;     /* cells that they passed */
