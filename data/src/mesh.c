@@ -20,6 +20,7 @@ void mesh_parts_release(cellist_context *context, mesh_parts *parts) {
   cellist_deallocate(context, parts->positions);
   cellist_deallocate(context, parts->tets);
   cellist_deallocate(context, parts->tet_origin);
+  cellist_deallocate(context, parts->point_origin);
   *parts = (mesh_parts){0};
 }
 
@@ -105,6 +106,13 @@ static void orient_tets(cellist_context *context, const mesh_parts *parts, uint8
   for (size_t i = 0; i < parts->tet_count; i++) {
     facts->inverted_count += (flags[i] & CELLIST_TET_INVERTED) != 0;
     facts->flat_count += (flags[i] & CELLIST_TET_FLAT) != 0;
+  }
+  bool counted = false; /* whether the cell of this tet is */
+  for (size_t i = 0; i < parts->tet_count; i++) {
+    if (i > 0 && origin_of(parts, i) != origin_of(parts, i - 1)) counted = false;
+    if (counted || (flags[i] & CELLIST_TET_INVERTED) == 0) continue;
+    facts->inverted_cell_count++;
+    counted = true;
   }
 }
 

@@ -18,10 +18,11 @@ typedef struct mesh_parts {
   double *positions;
   size_t tet_count;
   uint32_t *tets;
-  uint32_t *tet_origin; /* NULL: the tet's own index */
+  uint32_t *tet_origin;   /* NULL: the tet's own index; tets of one cell stand together */
+  uint32_t *point_origin; /* NULL: the point's own index */
   size_t field_count;
   cellist_field *fields;
-  cellist_mesh_facts facts; /* what came before: file_cell_count, skipped and hidden cells */
+  cellist_mesh_facts facts; /* what came before: file_cell_count, cells left out, merged points */
 } mesh_parts;
 
 /* Frees what the parts own and zeroes them. */

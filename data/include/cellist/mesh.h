@@ -53,15 +53,20 @@ typedef struct cellist_mesh_arrays {
 
 /* What making the mesh found. Counts are of tets unless the name says otherwise. */
 typedef struct cellist_mesh_facts {
-  size_t file_cell_count;     /* cells in the user's file or arrays, of any dimension */
-  size_t skipped_cell_count;  /* cells of lower dimension: left out */
-  size_t hidden_cell_count;   /* ghost and blanked cells: left out */
-  size_t inverted_count;      /* re-oriented */
-  size_t flat_count;          /* of zero volume */
-  size_t boundary_face_count; /* faces with a tet on one side only */
-  size_t folded_face_count;   /* faces with two tets on the same side: both count as boundary */
-  size_t overfull_face_count; /* faces of more than two tets: all count as boundary */
-  size_t unused_point_count;  /* points that no tet uses */
+  size_t file_cell_count;        /* cells in the user's file or arrays, of any dimension */
+  size_t skipped_cell_count;     /* cells of lower dimension: left out */
+  size_t hidden_cell_count;      /* ghost and blanked cells: left out */
+  size_t infinite_cell_count;    /* cells with a NaN or infinite corner: left out */
+  size_t collapsed_cell_count;   /* cells whose every tet would use a point twice: left out */
+  size_t merged_point_count;     /* points that were joined with an earlier one */
+  size_t coincident_point_count; /* points left whose coordinates equal an earlier one's (read from files only) */
+  size_t inverted_count;         /* re-oriented */
+  size_t inverted_cell_count;    /* cells of the file with a re-oriented tet: tet_origin of those flagged INVERTED */
+  size_t flat_count;             /* of zero volume */
+  size_t boundary_face_count;    /* faces with a tet on one side only */
+  size_t folded_face_count;      /* faces with two tets on the same side: both count as boundary */
+  size_t overfull_face_count;    /* faces of more than two tets: all count as boundary */
+  size_t unused_point_count;     /* points that no tet uses */
 } cellist_mesh_facts;
 
 /* The user's own arrays. All are read during the call only. */
@@ -106,6 +111,13 @@ typedef struct cellist_mesh_read_desc {
  * Cost: linear in the file's content; at most 200 bytes a tet at the peak, plus the file's fields. */
 CELLIST_API cellist_result cellist_mesh_read(cellist_context *context, const char *path,
                                              const cellist_mesh_read_desc *desc, cellist_mesh **mesh);
+
+/* Reads a mesh file that stands in memory. Formats of several files (PVTU, a PLOT3D solution, TetGen) need a path.
+ * Arrays: bytes: size of them, read during the call only. name is for messages, and its ending breaks ties.
+ * Errors, threads and cost as cellist_mesh_read. */
+CELLIST_API cellist_result cellist_mesh_read_memory(cellist_context *context, const char *name, const void *bytes,
+                                                    size_t size, const cellist_mesh_read_desc *desc,
+                                                    cellist_mesh **mesh);
 
 /* One scalar per point or per tet, chosen from the mesh's fields. */
 typedef struct cellist_scalar {
