@@ -1,0 +1,189 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The command as its users meet it: exit status, messages, files. Each case_NAME is one CTest entry.
+#   run.sh CASE CELLIST SHARED_DIR SCRATCH_DIR
+set -uo pipefail
+case=$1 cellist=$2 shared=$3 scratch=$4/$1
+here=$(cd "$(dirname "$0")" && pwd)
+rm -rf "$scratch" && mkdir -p "$scratch" && cd "$scratch" || exit 1
+
+fail() {
+  echo "FAILED: $*"
+  [ -f out ] && sed 's/^/  out: /' out | head -5
+  [ -f err ] && sed 's/^/  err: /' err | head -5
+  exit 1
+}
+# expect STATUS arguments...: runs cellist; standard output in ./out, standard error in ./err.
+expect() {
+  local status=$1
+  shift
+  "$cellist" "$@" >out 2>err </dev/null
+  local got=$?
+  [ $got -eq "$status" ] || fail "cellist $*: exit $got instead of $status"
+}
+says() { grep -qF -- "$1" err || fail "standard error does not say '$1'"; }
+one_line() { [ "$(wc -l <err)" -eq 1 ] || fail "standard error has not exactly one line"; }
+# json EXPRESSION: a Python expression over j, the object on standard output.
+json() {
+  python3 -c "import json,sys,math; j=json.load(open('out')); sys.exit(0 if ($1) else 1)" || fail "JSON: not $1"
+}
+
+# For cases that draw with OpenGL: a build without it skips them.
+needs_opengl() {
+  "$cellist" render sample:grid -o probe.png --renderer faces --size 8x8 >out 2>err && return
+  grep -q "this build has no OpenGL" err || fail "no OpenGL"
+  echo "skipped: this build has no OpenGL"
+  exit 77
+}
+
+case_usage_is_wrong_exit_2() {
+  expect 2 && expect 2 nonsense && expect 2 render && expect 2 render sample:grid
+  expect 2 render sample:grid -o a.bmp
+  says "ends in .exr or .png"
+  expect 2 render sample:grid -o a.png --size 0x10
+  expect 2 render sample:grid -o a.png --no-such-option
+  says "no option --no-such-option"
+  expect 2 render sample:grid -o a.png --renderer painter
+  says "faces"
+  expect 2 render sample:grid -o a.png --eye 1,2
+  expect 2 render sample:grid -o a.png --eye 1,2,3 --orbit 1,2
+  expect 2 render sample:grid -o a.png --fovy 180
+  expect 2 render sample:grid -o a.png --unit diagonal/0
+  expect 2 render sample:grid -o a.png --size
+  says "--size needs an argument"
+  expect 2 generate gears
+  expect 2 info
+  [ ! -e a.png ] || fail "a picture was written"
+}
+
+case_help_and_version() {
+  expect 0 --help && grep -q render out || fail "no overview"
+  expect 0 --version && grep -Eq '^cellist [0-9]+\.[0-9]+\.[0-9]+$' out || fail "no version"
+  for command in info generate convert render compare; do
+    expect 0 $command --help
+    grep -q '^examples:' out || fail "$command --help has no examples"
+  done
+}
+
+case_bad_input_exit_1_with_one_line() {
+  expect 1 render missing.vtu -o a.png && says "missing.vtu" && one_line
+  : >empty.vtu
+  expect 1 render empty.vtu -o a.png && says "empty.vtu" && one_line
+  echo "this is no mesh" >text.vtu
+  expect 1 render text.vtu -o a.png && says "text.vtu" && one_line
+  head -c 100000 /dev/urandom >noise.vtu
+  expect 1 info noise.vtu && says "noise.vtu" && one_line
+  expect 1 render . -o a.png && one_line
+  expect 0 generate grid -o grid.vtu
+  size=$(stat -c %s grid.vtu)
+  for part in 1 2 3 4 5 6 7 8 9; do
+    head -c $((size * part / 10)) grid.vtu >cut.vtu
+    expect 1 render cut.vtu -o a.png && says "cut.vtu" && one_line
+  done
+  expect 1 render grid.vtu -o a.png --scalar nonsense && says "no scalar 'nonsense'" && one_line
+  expect 1 render grid.vtu -o a.png --tf nonsense && says "nonsense" && one_line
+  echo "{ not JSON" >bad.json
+  expect 1 render grid.vtu -o a.png --tf bad.json && says "bad.json" && one_line
+  expect 1 render grid.vtu -o no/such/folder/a.png && says "no/such/folder/a.png" && one_line
+  expect 1 render sample:nonsense -o a.png && says "nonsense" && one_line
+  expect 1 render grid.vtu -o a.png --up 0,0,1 --eye 0,0,5 --target 0,0,0 && one_line
+  [ ! -e a.png ] || fail "a picture was written"
+}
+
+case_render_writes_pictures_and_json() {
+  needs_opengl
+  for renderer in faces cast; do
+    expect 0 render sample:gears -o a.exr -o a.png --renderer $renderer --size 96x64 --frames 3 --json
+    json "j['renderer'] == '$renderer' and j['width'] == 96 and j['height'] == 64 and j['frames'] == 3"
+    json "all(j['seconds'][k] >= 0 for k in ('load', 'convexify', 'sort', 'draw', 'total'))"
+    json "j['fragments'] > 0 and j['tf_entries'] >= 2 and j['opacity_convention'] == 'unstructured'"
+    json "isinstance(j['left_out'], list)"
+    [ -s a.exr ] && [ -s a.png ] || fail "no picture"
+    rm a.exr a.png
+  done
+  expect 0 render sample:gears -o - --size 32x32
+  [ "$(head -c 4 out | od -An -tx1 | tr -d ' \n')" = 762f3101 ] || fail "standard output is not EXR"
+}
+
+case_contexts_and_renderers_agree() {
+  needs_opengl
+  for source in sample:grid sample:ball; do
+    expect 0 render $source -o osmesa.exr --renderer faces --context osmesa
+    expect 0 render $source -o egl.exr --renderer faces --context egl
+    expect 0 render $source -o cast.exr --renderer cast
+    expect 0 compare osmesa.exr egl.exr --json
+    json "j['max_abs'] <= 1e-5 and j['covered_pixels'] > 1000"
+    expect 0 compare osmesa.exr cast.exr --json
+    json "j['rmse'] < 5e-4 and j['covered_pixels'] > 1000"
+  done
+}
+
+case_turntable_writes_numbered_pictures() {
+  expect 0 render sample:gears -o 'turn%04d.png' --turntable 3 --size 32x32 --renderer cast
+  [ "$(ls turn*.png | tr '\n' ' ')" = "turn0000.png turn0001.png turn0002.png " ] || fail "not three pictures"
+  cmp -s turn0000.png turn0001.png && fail "the turn shows no difference"
+  expect 2 render sample:gears -o turn.png --turntable 3
+}
+
+case_generate_is_deterministic() {
+  expect 0 generate --list
+  grep -q '^gears ' out || fail "no gears in the list"
+  for name in $(awk '{print $1}' out | head -3) ball; do
+    "$cellist" generate "$name" -o a.vtu 2>/dev/null && "$cellist" generate "$name" -o b.vtu 2>/dev/null
+    cmp a.vtu b.vtu || fail "$name differs from run to run"
+  done
+  expect 0 generate ball -o a.vtu --size 20000 --seed 5 --json
+  json "abs(j['tets'] - 20000) <= 2000"
+  expect 0 generate grid -o a.vtu --size 50000 --json
+  json "abs(j['tets'] - 50000) <= 5000"
+}
+
+case_info_tells_what_is_in_the_file() {
+  expect 0 generate grid -o grid.vtu --size 6000
+  expect 0 info grid.vtu --json
+  json "j['tets'] > 5000 and j['points'] > 1000 and j['boundary_faces'] > 0 and len(j['scalars']) >= 1"
+  json "all(set(('name', 'on', 'min', 'max')) <= set(s) for s in j['scalars'])"
+  expect 0 info grid.vtu && grep -q tets out || fail "no table"
+}
+
+case_convert_keeps_the_mesh() {
+  expect 0 generate gears -o gears.vtu
+  expect 0 convert gears.vtu copy.vtu
+  expect 0 render gears.vtu -o a.exr --renderer cast --size 64x64
+  expect 0 render copy.vtu -o b.exr --renderer cast --size 64x64
+  expect 0 compare a.exr b.exr --json
+  json "j['max_abs'] == 0"
+}
+
+case_compare_measures() {
+  expect 0 render sample:grid -o a.exr --renderer cast --size 64x64
+  expect 0 render sample:grid -o b.exr --renderer cast --size 64x64 --opacity-scale 1.2
+  expect 0 compare a.exr b.exr --json
+  json "all(k in j for k in ('width', 'height', 'covered_pixels', 'rmse', 'max_abs', 'psnr', 'ssim', 'pixels_over_2_255'))"
+  json "0 < j['rmse'] <= j['max_abs'] < 1"
+  expect 1 compare a.exr missing.exr && says missing.exr && one_line
+}
+
+case_full_disk_and_unwritable_output() {
+  [ -e /dev/full ] || exit 77
+  "$cellist" render sample:grid -o - --size 64x64 >/dev/full 2>err && fail "a full disk went unnoticed"
+  says "standard output"
+  "$cellist" info sample:grid >/dev/full 2>err && fail "a full disk went unnoticed"
+  true
+}
+
+case_real_meshes_render() {
+  [ -d "$shared/data" ] || { echo "skipped: $shared/data is not there" && exit 77; }
+  needs_opengl
+  for mesh in spx bluntfin post impeller gears_t sci_torso disk_out_ref fire bucky; do
+    for context in osmesa egl; do
+      expect 0 render "$shared/data/$mesh.vtu" -o $context.exr --renderer faces --context $context --unit diagonal/50 \
+        --size 128x128
+    done
+    expect 0 compare osmesa.exr egl.exr --json
+    json "j['max_abs'] <= 1e-5 and j['covered_pixels'] > 500"
+  done
+}
+
+declare -F "case_$case" >/dev/null || { echo "no case $case" && exit 1; }
+"case_$case"

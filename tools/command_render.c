@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * cellist render: a mesh to a picture, or to several: a turntable, or one view repeated for its timing. */
+#include <cellist/pipeline.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "command.h"
+#include "mesh_options.h"
+#include "optics_options.h"
+#include "terminal.h"
+#include "view_options.h"
+
+struct render_options {
+  text_list outputs;
+  const char *renderer, *backend, *precision;
+  unsigned size[2], frames, turntable, threads;
+  number_list background;
+  bool json;
+};
+
+/* Medians and counts over the frames drawn. */
+struct tally {
+  double *sort, *draw;
+  size_t count;
+};
+
+static int compare_doubles(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static double median(double *values, size_t count) {
+  if (count == 0) return 0;
+  qsort(values, count, sizeof *values, compare_doubles);
+  return 0.5 * (values[count / 2] + values[(count - 1) / 2]);
+}
+
+static bool has_ending(const char *name, const char *ending) {
+  const size_t length = strlen(name), tail = strlen(ending);
+  return length >= tail && strcmp(name + length - tail, ending) == 0;
+}
+
+/* The name of picture number index: a turntable's pattern holds one %d or %0Nd. Returns false if it does not. */
+static bool picture_name(const char *pattern, unsigned index, char *name, size_t size) {
+  const char *percent = strchr(pattern, '%');
+  if (percent == NULL) return false;
+  const char *at = percent + 1;
+  int width = 0;
+  if (*at == '0') at++;
+  while (*at >= '0' && *at <= '9' && width < 100) width = 10 * width + (*at++ - '0');
+  if (*at != 'd' || strchr(at, '%') != NULL) return false;
+  const int written = snprintf(name, size, "%.*s%0*u%s", (int)(percent - pattern), pattern, width, index, at + 1);
+  return written > 0 && (size_t)written < size;
+}
+
+static const char *check_options(const struct render_options *options) {
+  if (options->outputs.count == 0) return "-o IMAGE is missing";
+  for (size_t i = 0; i < options->outputs.count; i++) {
+    const char *name = options->outputs.value[i];
+    char expanded[4096];
+    if (strcmp(name, "-") == 0) {
+      if (options->json) return "-o - and --json both want standard output";
+      if (options->turntable > 0) return "--turntable needs file names";
+      continue;
+    }
+    if (!has_ending(name, ".exr") && !has_ending(name, ".png")) return "-o needs a name that ends in .exr or .png";
+    if (options->turntable > 0 && !picture_name(name, 0, expanded, sizeof expanded))
+      return "--turntable needs a pattern such as -o a%04d.png";
+  }
+  if (options->turntable > 0 && options->frames > 1) return "--frames and --turntable exclude each other";
+  return NULL;
+}
+
+static cellist_result write_pictures(cellist_context *context, const struct render_options *options,
+                                     const cellist_image *image, unsigned index) {
+  cellist_result result = CELLIST_SUCCESS;
+  for (size_t i = 0; i < options->outputs.count && result == CELLIST_SUCCESS; i++) {
+    const char *path = options->outputs.value[i];
+    char expanded[4096];
+    if (options->turntable > 0 && picture_name(path, index, expanded, sizeof expanded)) path = expanded;
+    result =
+        cellist_image_write(context, image, path, options->background.count > 0 ? options->background.value : NULL);
+  }
+  return result;
+}
+
+static cellist_result draw_all(cellist_context *context, const struct render_options *options, const cellist_view *view,
+                               cellist_pipeline *pipeline, struct tally *tally, cellist_pipeline_stats *stats) {
+  const unsigned count = options->turntable > 0 ? options->turntable : options->frames;
+  for (unsigned i = 0; i < count; i++) {
+    cellist_result result = cellist_progress(context, "drawing", (double)i / count);
+    if (result != CELLIST_SUCCESS) return result;
+    const cellist_view turned = options->turntable > 0 ? view_turned(view, (double)i / count) : *view;
+    cellist_image *image = NULL;
+    result = cellist_pipeline_draw(pipeline, &turned, options->size[0], options->size[1], &image, stats);
+    if (result == CELLIST_SUCCESS && (options->turntable > 0 || i + 1 == count))
+      result = write_pictures(context, options, image, i);
+    cellist_image_destroy(image);
+    if (result != CELLIST_SUCCESS) return result;
+    tally->sort[tally->count] = stats->sort_seconds;
+    tally->draw[tally->count++] = stats->draw_seconds;
+  }
+  return cellist_progress(context, "drawing", 1);
+}
+
+static int report_json(const struct render_options *options, const cellist_pipeline *pipeline,
+                       const cellist_pipeline_stats *stats, double sort, double draw, double total) {
+  json_t *left_out = json_array();
+  for (size_t i = 0; stats->left_out[i] != NULL; i++) json_array_append_new(left_out, json_string(stats->left_out[i]));
+  const cellist_mesh *mesh = cellist_pipeline_mesh(pipeline);
+  const cellist_scalar *scalar = cellist_pipeline_scalar(pipeline);
+  return terminal_print_json(
+      json_pack("{s:s, s:i, s:i, s:i, s:{s:f, s:f, s:f, s:f, s:f}, s:I, s:o, s:s, s:I, s:s, s:s, s:s, s:f, s:s, s:I, "
+                "s:I, s:s, s:f}",
+                "renderer", stats->renderer, "width", (int)options->size[0], "height", (int)options->size[1], "frames",
+                (int)options->frames, "seconds", "load", stats->load_seconds, "convexify", stats->convexify_seconds,
+                "sort", sort, "draw", draw, "total", total, "fragments", (json_int_t)stats->fragments, "left_out",
+                left_out, "opacity_convention", stats->convention, "tf_entries", (json_int_t)stats->transfer_knots,
+                "order", stats->order, "integration", stats->method, "precision", stats->precision, "error_bound",
+                stats->error_bound, "context", stats->backend, "cells_drawn", (json_int_t)stats->cells_drawn, "cells",
+                (json_int_t)cellist_mesh_get_arrays(mesh)->tet_count, "scalar", scalar->name, "unit_distance",
+                stats->unit_distance));
+}
+
+static int report_text(const struct render_options *options, const char *mesh_name, const cellist_pipeline *pipeline,
+                       const cellist_pipeline_stats *stats, double sort, double draw, double total) {
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline));
+  const cellist_scalar *scalar = cellist_pipeline_scalar(pipeline);
+  FILE *to = stdout;
+  for (size_t i = 0; i < options->outputs.count; i++) {
+    if (strcmp(options->outputs.value[i], "-") == 0)
+      to = stderr;
+    else if (options->turntable == 0)
+      fprintf(to, "wrote %s\n", options->outputs.value[i]);
+    else
+      fprintf(to, "wrote %s, %u pictures\n", options->outputs.value[i], options->turntable);
+  }
+  fprintf(to, "%s: %zu tets, scalar %s (%s) from %g to %g, unit distance %g (%s)\n", mesh_name, arrays->tet_count,
+          scalar->name, scalar->association == CELLIST_ON_POINTS ? "points" : "cells", scalar->minimum, scalar->maximum,
+          stats->unit_distance, stats->convention);
+  fprintf(to, "drawn by %s (%s, %s precision, context %s), order: %s, %ux%u pixels, %llu segments\n", stats->renderer,
+          stats->method, stats->precision, stats->backend, stats->order, options->size[0], options->size[1],
+          (unsigned long long)stats->fragments);
+  fprintf(to, "seconds: load %.3f, convexify %.3f, sort %.4f, draw %.4f, total %.3f\n", stats->load_seconds,
+          stats->convexify_seconds, sort, draw, total);
+  return terminal_finish();
+}
+
+static cellist_pipeline_desc pipeline_desc(const struct render_options *options, const char *source) {
+  cellist_pipeline_desc desc = {.source = source};
+  if (strcmp(options->renderer, "faces") == 0) desc.renderer = CELLIST_RENDERER_FACES;
+  if (strcmp(options->renderer, "cast") == 0) desc.renderer = CELLIST_RENDERER_CAST;
+  if (strcmp(options->backend, "osmesa") == 0) desc.backend = CELLIST_BACKEND_OSMESA;
+  if (strcmp(options->backend, "egl") == 0) desc.backend = CELLIST_BACKEND_EGL;
+  desc.precision = strcmp(options->precision, "fast") == 0 ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE;
+  return desc;
+}
+
+int command_render(int argc, char **argv) {
+  struct render_options options = {
+      .size = {512, 512}, .frames = 1, .renderer = "auto", .backend = "auto", .precision = "fast"};
+  options.background.expected = 3;
+  view_options camera;
+  optics_options look;
+  mesh_options input;
+  option_spec view_table[VIEW_OPTION_COUNT], optics_table[OPTICS_OPTION_COUNT], mesh_table[MESH_OPTION_COUNT];
+  mesh_options_init(&input, mesh_table);
+  view_options_init(&camera, view_table);
+  optics_options_init(&look, optics_table);
+  const option_spec table[] = {
+      {"o", "IMAGE", "where to, .exr or .png; may be repeated; - is EXR on standard output", OPTION_TEXTS,
+       &options.outputs},
+      {"size", "WxH", "pixels (512x512)", OPTION_SIZE, options.size},
+      {"renderer", "auto|faces|cast", "how: OpenGL cell projection or ray casting (auto)", OPTION_CHOICE,
+       &options.renderer},
+      {"precision", "fast|reference", "of cast: single precision, or double with a proved bound (fast)", OPTION_CHOICE,
+       &options.precision},
+      {"context", "auto|osmesa|egl", "where OpenGL comes from (auto)", OPTION_CHOICE, &options.backend},
+      {"background", "R,G,B", "what PNG pictures are laid over, linear 0..1 (nothing: transparent)", OPTION_NUMBERS,
+       &options.background},
+      {"frames", "N", "draw N times; times are medians (1)", OPTION_COUNT, &options.frames},
+      {"turntable", "N", "N pictures of a full turn, -o a%04d.png", OPTION_COUNT, &options.turntable},
+      {"threads", "N", "threads to use (one per processor)", OPTION_COUNT, &options.threads},
+      {"json", "", "print what was done as one JSON object", OPTION_FLAG, &options.json},
+      {NULL, NULL, NULL, OPTION_FLAG, NULL},
+  };
+  static const char *const examples[] = {
+      "cellist render sample:gears -o gears.png",
+      "cellist render mesh.vtu -o a.exr -o a.png --scalar velocity:mag --tf viridis --orbit 45,20",
+      "cellist render mesh.vtu -o a.exr --eye 3,0,1 --target 0,0,0 --fovy 40 --tf mine.json --unit diagonal/50",
+      "cellist render mesh.vtu -o turn%04d.png --turntable 90 --background 1,1,1", NULL};
+  const command_usage usage = {"render", "MESH -o IMAGE", "Draws a mesh (a file, or sample:NAME).",     1,
+                               1,        examples,        {table, view_table, optics_table, mesh_table}};
+  size_t positional = 0;
+  const parse_result parsed = options_parse(&usage, argc, argv, &positional);
+  if (parsed != PARSE_OK) return parse_exit(parsed);
+  const char *wrong = check_options(&options);
+  cellist_pipeline_desc desc = pipeline_desc(&options, argv[1]);
+  if (wrong == NULL) wrong = optics_options_resolve(&look, &desc.optics);
+  if (wrong == NULL) wrong = mesh_options_resolve(&input, &desc.read);
+  cellist_view view;
+  const double unit_bounds[6] = {0, 0, 0, 1, 1, 1};
+  if (wrong == NULL) wrong = view_options_resolve(&camera, unit_bounds, &view);
+  if (wrong != NULL) return wrong_usage("render", "%s", wrong);
+
+  const double begin = terminal_seconds();
+  cellist_context *context = terminal_context(options.threads);
+  if (context == NULL) return 1;
+  const unsigned count = options.turntable > 0 ? options.turntable : options.frames;
+  struct tally tally = {calloc(count, sizeof(double)), calloc(count, sizeof(double)), 0};
+  cellist_pipeline *pipeline = NULL;
+  cellist_pipeline_stats stats = {0};
+  cellist_result result = tally.sort != NULL && tally.draw != NULL ? cellist_pipeline_create(context, &desc, &pipeline)
+                                                                   : CELLIST_ERROR_OUT_OF_MEMORY;
+  if (result == CELLIST_SUCCESS) {
+    view_options_resolve(&camera, cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->bounds, &view);
+    result = draw_all(context, &options, &view, pipeline, &tally, &stats);
+  }
+  int status = 0;
+  if (result != CELLIST_SUCCESS) {
+    status = terminal_failure(context, result);
+  } else {
+    const double total = terminal_seconds() - begin;
+    const double sort = median(tally.sort, tally.count), draw = median(tally.draw, tally.count);
+    status = options.json ? report_json(&options, pipeline, &stats, sort, draw, total)
+                          : report_text(&options, argv[1], pipeline, &stats, sort, draw, total);
+  }
+  free(tally.sort);
+  free(tally.draw);
+  cellist_pipeline_destroy(pipeline);
+  cellist_context_destroy(context);
+  return status;
+}

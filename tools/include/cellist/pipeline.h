@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Pipeline: from a mesh file to a picture in one object. Read, order, project; what a scene does not need is left out.
+ * The command and the viewer use it, and so can any program that wants it all. */
+#ifndef CELLIST_PIPELINE_H
+#define CELLIST_PIPELINE_H
+
+#include <cellist/image.h>
+#include <cellist/mesh.h>
+#include <cellist/raycast.h>
+#include <cellist/transfer.h>
+#include <cellist/view.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Reads a mesh from a file ("-": standard input) or makes a generated one ("sample:NAME" or "sample:NAME:SIZE").
+ * desc may be NULL. *mesh is the caller's. Errors: those of cellist_mesh_read; NOT_FOUND (no such sample).
+ * Threads: one call per context at a time. */
+CELLIST_API cellist_result cellist_pipeline_load(cellist_context *context, const char *source,
+                                                 const cellist_mesh_read_desc *desc, cellist_mesh **mesh);
+
+/* What the mesh looks like; {0} is valid. */
+typedef struct cellist_pipeline_optics {
+  const char *scalar;            /* as cellist_scalar_select; NULL: the default one */
+  const char *transfer;          /* a built-in name or a ParaView JSON file; NULL: "ramp" */
+  bool has_range;                /* false: the scalar's own range; a constant scalar then takes the middle */
+  double range[2];               /* the scalars that the transfer function covers */
+  double unit_distance;          /* in mesh units; 0: as the next one says */
+  double unit_diagonal_fraction; /* the unit is the bounds' diagonal / this; 0: ParaView's automatic one */
+  double opacity_scale;          /* multiplies extinction; 0 means 1 */
+  cellist_opacity_convention convention;
+  bool srgb_colours; /* as cellist_transfer_desc */
+} cellist_pipeline_optics;
+
+typedef enum cellist_renderer {
+  CELLIST_RENDERER_AUTO,  /* the one that suits the machine and the scene */
+  CELLIST_RENDERER_FACES, /* OpenGL, back faces in visibility order */
+  CELLIST_RENDERER_CAST   /* ray caster, needs neither OpenGL nor an order */
+} cellist_renderer;
+
+typedef enum cellist_backend { CELLIST_BACKEND_AUTO, CELLIST_BACKEND_OSMESA, CELLIST_BACKEND_EGL } cellist_backend;
+
+typedef struct cellist_pipeline_desc {
+  const char *source; /* as cellist_pipeline_load */
+  cellist_mesh_read_desc read;
+  cellist_pipeline_optics optics;
+  cellist_renderer renderer;
+  cellist_backend backend;     /* for faces */
+  cellist_precision precision; /* for cast; fast falls back to reference for models that it does not draw */
+} cellist_pipeline_desc;
+
+/* Seconds and facts of the last picture. Texts belong to the library. */
+typedef struct cellist_pipeline_stats {
+  double load_seconds;                     /* once: read, adjacency, Hilbert order */
+  double convexify_seconds;                /* once; 0 if nothing was convexified */
+  double sort_seconds, draw_seconds;       /* of the last picture */
+  const char *renderer, *method, *backend; /* what was used; backend is "none" without OpenGL */
+  const char *precision;                   /* "fast" (single precision) or "reference" */
+  double error_bound;                      /* proved, of reference; else 0 */
+  const char *order;                       /* "exact", "approximate", or "none" if no order was needed */
+  size_t cells_drawn;
+  uint64_t fragments;     /* segments that contributed, as the renderer counts them */
+  const char *convention; /* of opacity: "unstructured" or "image" */
+  size_t transfer_knots;
+  double unit_distance;
+  const char *left_out[8]; /* what this scene did not need, ended by NULL */
+} cellist_pipeline_stats;
+
+typedef struct cellist_pipeline cellist_pipeline;
+
+/* Loads the mesh, chooses scalar and transfer function, makes the renderer ready.
+ * Arrays: desc and its texts are read during the call only; *pipeline is the caller's.
+ * Errors: those of reading, scalar and transfer function; GRAPHICS (no OpenGL context); UNSUPPORTED (a renderer
+ *   that this build leaves out). Threads: one call per context at a time. */
+CELLIST_API cellist_result cellist_pipeline_create(cellist_context *context, const cellist_pipeline_desc *desc,
+                                                   cellist_pipeline **pipeline);
+CELLIST_API void cellist_pipeline_destroy(cellist_pipeline *pipeline);
+
+/* The mesh and the scalar that are drawn; they belong to the pipeline. */
+CELLIST_API const cellist_mesh *cellist_pipeline_mesh(const cellist_pipeline *pipeline);
+CELLIST_API const cellist_scalar *cellist_pipeline_scalar(const cellist_pipeline *pipeline);
+
+/* Draws one view.
+ * Arrays: view may be NULL: the whole mesh, from azimuth 30.96 and elevation 34.45 degrees. *image is the caller's,
+ * with channels R G B A (premultiplied, linear) and Z (depth of the first contribution along the line of sight,
+ * infinity where there is none), and camera and settings as attributes. stats may be NULL. Errors: those of
+ * cellist_frame_from_view, of the sorter and of the renderer. Threads: the one that created the pipeline. Cost: that of
+ * sorting and drawing. */
+CELLIST_API cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_view *view, uint32_t width,
+                                                 uint32_t height, cellist_image **image, cellist_pipeline_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

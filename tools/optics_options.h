@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * The options that say what the mesh looks like, the same for every subcommand. */
+#ifndef CELLIST_TOOLS_OPTICS_OPTIONS_H
+#define CELLIST_TOOLS_OPTICS_OPTIONS_H
+
+#include <cellist/pipeline.h>
+
+#include "options.h"
+
+typedef struct optics_options {
+  const char *scalar, *transfer, *unit, *convention, *colours;
+  number_list range;
+  double opacity_scale;
+} optics_options;
+
+enum { OPTICS_OPTION_COUNT = 8 };
+
+/* Sets the defaults and fills the table, which refers to options. */
+void optics_options_init(optics_options *options, option_spec table[OPTICS_OPTION_COUNT]);
+
+/* Fills the optics part of the description. Returns NULL, or what is wrong with the options. */
+const char *optics_options_resolve(const optics_options *options, cellist_pipeline_optics *optics);
+
+#endif

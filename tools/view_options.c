@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * View options: from --eye, --orbit and the like to a cellist_view. */
+#include "view_options.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The view of the project's own comparisons. */
+static const double DEFAULT_AZIMUTH = 30.96, DEFAULT_ELEVATION = 34.45;
+
+void view_options_init(view_options *options, option_spec table[VIEW_OPTION_COUNT]) {
+  *options = (view_options){.fovy = 30};
+  options->eye.expected = options->target.expected = options->up.expected = 3;
+  options->orbit.expected = 2;
+  const option_spec filled[VIEW_OPTION_COUNT] = {
+      {"eye", "X,Y,Z", "where the camera stands", OPTION_NUMBERS, &options->eye},
+      {"target", "X,Y,Z", "what it looks at (the mesh's centre)", OPTION_NUMBERS, &options->target},
+      {"up", "X,Y,Z", "which way is up (0,0,1)", OPTION_NUMBERS, &options->up},
+      {"fovy", "DEGREES", "vertical field of view (30)", OPTION_NUMBER, &options->fovy},
+      {"parallel", "HEIGHT", "parallel projection, the image HEIGHT high in the mesh's units", OPTION_NUMBER,
+       &options->parallel},
+      {"orbit", "AZIMUTH,ELEVATION", "look at the whole mesh from this direction, in degrees (30.96,34.45)",
+       OPTION_NUMBERS, &options->orbit},
+      {"near", "D", "show nothing nearer than this depth (0)", OPTION_NUMBER, &options->near_distance},
+      {NULL, NULL, NULL, OPTION_FLAG, NULL},
+  };
+  memcpy(table, filled, sizeof filled);
+}
+
+const char *view_options_resolve(const view_options *options, const double bounds[6], cellist_view *view) {
+  if (options->eye.count > 0 && options->orbit.count > 0) return "--eye and --orbit exclude each other";
+  if (options->parallel < 0) return "--parallel needs a height above 0";
+  if (!(options->fovy > 0 && options->fovy < 180)) return "--fovy must lie between 0 and 180 degrees";
+  if (options->near_distance < 0) return "--near must be at least 0";
+  const bool has_orbit = options->orbit.count > 0;
+  *view = cellist_view_orbit(bounds, has_orbit ? options->orbit.value[0] : DEFAULT_AZIMUTH,
+                             has_orbit ? options->orbit.value[1] : DEFAULT_ELEVATION);
+  if (options->eye.count > 0) {
+    memcpy(view->eye, options->eye.value, sizeof view->eye);
+    view->up[0] = view->up[1] = 0;
+    view->up[2] = 1;
+  }
+  if (options->target.count > 0) memcpy(view->target, options->target.value, sizeof view->target);
+  if (options->up.count > 0) memcpy(view->up, options->up.value, sizeof view->up);
+  view->fovy_degrees = options->fovy;
+  view->parallel_height = options->parallel;
+  view->near_distance = options->near_distance;
+  return NULL;
+}
+
+cellist_view view_turned(const cellist_view *view, double fraction) {
+  const double angle = 2 * 3.14159265358979323846 * fraction, c = cos(angle), s = sin(angle);
+  const double length = sqrt(view->up[0] * view->up[0] + view->up[1] * view->up[1] + view->up[2] * view->up[2]);
+  double axis[3], from[3];
+  for (int k = 0; k < 3; k++) {
+    axis[k] = length > 0 ? view->up[k] / length : 0;
+    from[k] = view->eye[k] - view->target[k];
+  }
+  const double along = axis[0] * from[0] + axis[1] * from[1] + axis[2] * from[2];
+  cellist_view turned = *view; /* Rodrigues' rotation of the eye about the target */
+  for (int k = 0; k < 3; k++) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const double sideways = axis[i] * from[j] - axis[j] * from[i];
+    turned.eye[k] = view->target[k] + c * from[k] + s * sideways + (1 - c) * along * axis[k];
+  }
+  return turned;
+}
