@@ -196,6 +196,21 @@ static inline void brute_quadrature(const brute_piece *piece, real low, real hig
   memcpy(out, fine, 3 * sizeof out[0]);
 }
 
+/* The whole piece: first cut where the depth is 1, 2, ... 60, or a rule might find nothing but zeroes behind a peak. */
+static inline void brute_piece_light(const brute_piece *piece, real out[3]) {
+  const real a = piece->extinction[0] * piece->length, b = piece->extinction[1] * piece->length, depth = (a + b) / 2;
+  const bool attenuated = piece->brute->optics.model == CELLIST_MODEL_EMISSION_ABSORPTION;
+  memset(out, 0, 3 * sizeof out[0]);
+  real low = 0;
+  for (int panel = 1; low < 1 && panel <= 60; panel++) {
+    real part[3], high = 1;
+    if (attenuated && panel < depth) high = 2 * panel / (a + sqrtl(a * a + 2 * (b - a) * panel));
+    brute_quadrature(piece, low, high, 30, part);
+    for (int k = 0; k < 3; k++) out[k] += part[k];
+    low = high;
+  }
+}
+
 /* R G B A of a volume model along a ray. */
 static inline void brute_volume(brute_force *brute, const double origin[3], const double direction[3],
                                 double near_distance, real rgba[4]) {
@@ -232,7 +247,7 @@ static inline void brute_volume(brute_force *brute, const double origin[3], cons
       }
       real light[3] = {0};
       const real transmittance = model == CELLIST_MODEL_EMISSION ? 1 : expl(-depth);
-      if (model != CELLIST_MODEL_ABSORPTION && transmittance > 1e-20L) brute_quadrature(&piece, 0, 1, 30, light);
+      if (model != CELLIST_MODEL_ABSORPTION && transmittance > 1e-20L) brute_piece_light(&piece, light);
       for (int k = 0; k < 3; k++) rgba[k] += transmittance * light[k];
       if (model != CELLIST_MODEL_EMISSION) depth += (piece.extinction[0] + piece.extinction[1]) / 2 * piece.length;
       at = next;
