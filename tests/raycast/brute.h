@@ -211,10 +211,8 @@ static inline void brute_piece_light(const brute_piece *piece, real out[3]) {
   }
 }
 
-/* R G B A of a volume model along a ray. */
-static inline void brute_volume(brute_force *brute, const double origin[3], const double direction[3],
-                                double near_distance, real rgba[4]) {
-  brute_collect(brute, origin, direction, near_distance);
+/* R G B A of a volume model along a ray whose cells have been collected. */
+static inline void brute_shade(const brute_force *brute, const double direction[3], real rgba[4]) {
   const cellist_model model = brute->optics.model;
   const real length_per_t =
       sqrtl((real)direction[0] * direction[0] + (real)direction[1] * direction[1] + (real)direction[2] * direction[2]);
@@ -254,6 +252,12 @@ static inline void brute_volume(brute_force *brute, const double origin[3], cons
     }
   }
   rgba[3] = -expm1l(-depth);
+}
+
+static inline void brute_volume(brute_force *brute, const double origin[3], const double direction[3],
+                                double near_distance, real rgba[4]) {
+  brute_collect(brute, origin, direction, near_distance);
+  brute_shade(brute, direction, rgba);
 }
 
 #endif
