@@ -183,7 +183,7 @@ static bool count_and_stop(void *user, const char *stage, double fraction) {
 
 TEST(progress_is_reported_and_cancels)
 {
-  for (int allowed = 0; allowed < 60; allowed += 3) {
+  for (int allowed = 0; allowed < 60; allowed += 11) {
     int left = allowed;
     cellist_context *context = NULL;
     /* The mesh is made without progress; the caster draws with a context that counts. */
@@ -194,9 +194,9 @@ TEST(progress_is_reported_and_cancels)
     cellist_raycaster *caster = NULL;
     assert_success(context, cellist_raycaster_create(context, scene.mesh, &scene.scalar, NULL, &caster));
     cellist_frame frame;
-    assert_success(context, cellist_frame_from_view(context, &VIEW, 200, 200, &frame));
+    assert_success(context, cellist_frame_from_view(context, &VIEW, 100, 100, &frame));
     const cellist_raycast_desc how = {.precision = CELLIST_PRECISION_REFERENCE};
-    double *rgba = malloc(4 * 200 * 200 * sizeof *rgba);
+    double *rgba = malloc(4 * 100 * 100 * sizeof *rgba);
     const cellist_raycast_output output = {.rgba = rgba};
     const cellist_result result = cellist_raycaster_render(caster, &frame, &TRANSFER, &how, &output, NULL);
     assert_int_equal(result, left < 0 ? CELLIST_ERROR_CANCELLED : CELLIST_SUCCESS);
