@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Order by the faces that cells share. Private to sort/. */
+ * Topological sort of cells. Private to sort/. */
 #ifndef CELLIST_SORT_MPVO_H
 #define CELLIST_SORT_MPVO_H
 
 #include "sorter.h"
 
-/* Fills order and stats->exact. */
-void sort_by_faces(cellist_sorter *sorter, const sort_eye *eye, uint32_t *order, cellist_sort_stats *stats);
+/* Fills sorter->state for a view. */
+void sort_find_states(cellist_sorter *sorter, const sort_eye *eye, cellist_sort_stats *stats);
+
+/* Puts out cells far to near, as long as there is one with nothing left behind it; returns how many. The rest holds
+ * cycles. */
+size_t sort_topologically(cellist_sorter *sorter, uint32_t *order);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "components.h"
 #include "convexity.h"
 #include "faces.h"
 #include "mpvo.h"
@@ -59,10 +60,10 @@ static cellist_result prepare(cellist_sorter *sorter) {
   cellist_context *context = sorter->context;
   cellist_result result = check_mesh(context, &sorter->mesh);
   if (result == CELLIST_SUCCESS) result = sort_is_convex(context, &sorter->mesh, &sorter->convex);
+  if (result == CELLIST_SUCCESS && !sorter->convex) result = sort_gaps_create(context, &sorter->mesh, &sorter->gaps);
   if (result != CELLIST_SUCCESS) return result;
   sorter->state = cellist_allocate(context, sorter->mesh.tet_count, sizeof *sorter->state);
-  sorter->heap = cellist_allocate(context, sorter->mesh.tet_count, sizeof *sorter->heap);
-  return sorter->state != NULL && sorter->heap != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
+  return sorter->state != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
 cellist_result cellist_sorter_create(cellist_context *context, const cellist_sorter_desc *desc,
@@ -85,8 +86,11 @@ cellist_result cellist_sorter_create(cellist_context *context, const cellist_sor
 void cellist_sorter_destroy(cellist_sorter *sorter) {
   if (sorter == NULL) return;
   cellist_context *context = sorter->context;
+  sort_gaps_release(context, &sorter->gaps);
   cellist_deallocate(context, sorter->state);
-  cellist_deallocate(context, sorter->heap);
+  cellist_deallocate(context, sorter->groups);
+  cellist_deallocate(context, sorter->group_scratch);
+  cellist_deallocate(context, sorter->search_scratch);
   cellist_deallocate(context, sorter);
 }
 
@@ -103,7 +107,27 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
     return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "a parallel view without a direction");
   const sort_eye eye = sort_eye_of(viewpoint);
   cellist_sort_stats found = {.exact = true};
-  sort_by_faces(sorter, &eye, order, &found);
+  sorter->group_count = 0;
+  sort_find_states(sorter, &eye, &found);
+  cellist_result result = CELLIST_SUCCESS;
+  if (!sorter->convex) {
+    result = sort_gaps_find(sorter->context, &sorter->gaps, &eye);
+    if (result != CELLIST_SUCCESS) return result;
+    found.gap_arc_count = sorter->gaps.arc_count;
+    found.gap_candidate_count = sorter->gaps.candidate_count;
+  }
+  const size_t done = sort_topologically(sorter, order);
+  if (done < sorter->mesh.tet_count) result = sort_components(sorter, &eye, order, done);
+  if (result != CELLIST_SUCCESS) {
+    sorter->group_count = 0;
+    return result;
+  }
+  found.group_count = sorter->group_count;
+  for (size_t i = 0; i < sorter->group_count; i++) {
+    const size_t count = sorter->groups[i].count;
+    found.cells_in_groups += count;
+    if (count > found.largest_group) found.largest_group = count;
+  }
   if (stats != NULL) *stats = found;
   return CELLIST_SUCCESS;
 }

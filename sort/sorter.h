@@ -5,16 +5,25 @@
 
 #include <cellist/sort.h>
 
+#include "gaps/gaps.h"
 #include "view.h"
+
+/* A cell's state in one view: bits 0-3: the neighbour there lies in front; bits 4-6: how many neighbours behind it are
+ * not out, and one more for gap arcs; bit 7: gap arcs lead from it to nearer cells. */
+enum { SORT_PENDING = 16, SORT_PENDING_MASK = 0x70, SORT_HAS_GAP_ARCS = 0x80 };
 
 struct cellist_sorter {
   cellist_context *context;
   cellist_sorter_desc mesh;
-  bool convex;    /* no gap anywhere: faces alone order the cells */
-  uint8_t *state; /* [tet_count] bits 0-3: the neighbour there lies in front; bits 4-6: neighbours behind, not out */
-  uint64_t *heap; /* [tet_count] distance of a cell as the key, far first */
-  size_t group_count;
+  bool convex; /* no gap anywhere: faces alone order the cells, and gaps is empty */
+  sort_gaps gaps;
+  uint8_t *state; /* [tet_count] */
+  size_t group_count, group_capacity;
   cellist_group *groups;
+  uint64_t *group_scratch;
+  size_t group_scratch_capacity;
+  uint32_t *search_scratch;
+  size_t search_scratch_capacity;
 };
 
 #endif

@@ -7,7 +7,7 @@
 
 /* A Kuhn grid of n^3 unit cubes; inner points move by up to `move` in each coordinate (0.1 keeps all tets positive);
  * each cube is left out with probability `hole`. */
-static cellist_mesh *scene_grid(cellist_context *context, uint32_t n, double move, double hole, uint64_t seed) {
+static inline cellist_mesh *scene_grid(cellist_context *context, uint32_t n, double move, double hole, uint64_t seed) {
   static const uint8_t path[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
   random_state random = {seed};
   const uint32_t step[3] = {1, n + 1, (n + 1) * (n + 1)};
@@ -43,7 +43,7 @@ static cellist_mesh *scene_grid(cellist_context *context, uint32_t n, double mov
 
 /* One of many kinds of view of a scene of the given size that starts at the origin: far, near, inside, on a grid
  * point, parallel, parallel along an axis. */
-static cellist_viewpoint scene_view(unsigned kind, double size, random_state *random) {
+static inline cellist_viewpoint scene_view(unsigned kind, double size, random_state *random) {
   cellist_viewpoint view = {{0, 0, 0}, kind % 6 >= 4};
   static const double reach[6] = {10, 1.2, 0.5, 0.5, 1, 1};
   for (int k = 0; k < 3; k++) {
@@ -56,6 +56,23 @@ static cellist_viewpoint scene_view(unsigned kind, double size, random_state *ra
     for (int k = 0; k < 3; k++) view.position[k] = (double)random_below(random, 3) - 1;
   if (view.parallel && view.position[0] == 0 && view.position[1] == 0 && view.position[2] == 0) view.position[2] = 1;
   return view;
+}
+
+/* Sorts from one view and returns what brute force finds. */
+static inline oracle_count sort_and_check(cellist_context *context, const cellist_mesh *mesh,
+                                          const cellist_viewpoint *view, size_t ray_count, cellist_sort_stats *stats) {
+  const cellist_sorter_desc desc = sorter_desc_of(mesh);
+  cellist_sorter *sorter = NULL;
+  assert_success(context, cellist_sorter_create(context, &desc, &sorter));
+  uint32_t *order = calloc(desc.tet_count + 1, sizeof *order);
+  assert_success(context, cellist_sorter_sort(sorter, view, order, stats));
+  const cellist_group *groups = NULL;
+  size_t group_count = 0;
+  cellist_sorter_groups(sorter, &groups, &group_count);
+  const oracle_count count = oracle_check(&desc, view, order, groups, group_count, ray_count, 5);
+  free(order);
+  cellist_sorter_destroy(sorter);
+  return count;
 }
 
 #endif

@@ -2,23 +2,6 @@
  * Sorter: orders of meshes without gaps, against brute force; what it refuses. */
 #include "scene.h"
 
-/* Sorts from one view and returns what brute force finds. */
-static oracle_count sort_and_check(cellist_context *context, const cellist_mesh *mesh, const cellist_viewpoint *view,
-                                   size_t ray_count, cellist_sort_stats *stats) {
-  const cellist_sorter_desc desc = sorter_desc_of(mesh);
-  cellist_sorter *sorter = NULL;
-  assert_success(context, cellist_sorter_create(context, &desc, &sorter));
-  uint32_t *order = calloc(desc.tet_count + 1, sizeof *order);
-  assert_success(context, cellist_sorter_sort(sorter, view, order, stats));
-  const cellist_group *groups = NULL;
-  size_t group_count = 0;
-  cellist_sorter_groups(sorter, &groups, &group_count);
-  const oracle_count count = oracle_check(&desc, view, order, groups, group_count, ray_count, 5);
-  free(order);
-  cellist_sorter_destroy(sorter);
-  return count;
-}
-
 TEST(convex_grids_are_in_exact_order_from_everywhere)
 {
   cellist_context *context = harness_context(1);

@@ -35,11 +35,13 @@ typedef struct cellist_viewpoint {
 
 /* What a sort found. */
 typedef struct cellist_sort_stats {
-  bool exact;           /* false: gaps between parts of a concave mesh were ordered by distance, and so were cycles */
+  bool exact;           /* the order is right for every ray outside groups; false only where a caller asked for less */
   size_t group_count;   /* sets of cells that lie in front of each other in a circle */
   size_t largest_group; /* cells */
   size_t cells_in_groups;
-  size_t exact_sign_count; /* face planes so close to the eye that floating point could not decide */
+  size_t exact_sign_count;    /* faces so nearly in line with the eye that floating point could not decide */
+  size_t gap_candidate_count; /* pairs of boundary faces that were looked at */
+  size_t gap_arc_count;       /* pairs of boundary faces that put one cell in front of another one */
 } cellist_sort_stats;
 
 /* A group of the order: order[begin] to order[begin + count - 1] lie in front of each other in a circle, so that no

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Pictures of the boundary in floating point, to find which faces may cover each other. Private to sort/. */
+#ifndef CELLIST_SORT_PICTURE_H
+#define CELLIST_SORT_PICTURE_H
+
+#include "../view.h"
+#include "boundary.h"
+
+/* Where a face may lie in a picture: at least its extent there; low > high: nowhere. */
+typedef struct sort_box {
+  double low[2], high[2];
+} sort_box;
+
+/* Projects all vertices onto one plane, if one through the eye has them all well on one side of it (always so in
+ * a parallel view). picture: 2 vertex_count doubles, filled; *error bounds each coordinate's error, up to a projective
+ * map that keeps turns. Returns false if the eye is among the vertices. */
+bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, double *picture, double *error);
+
+/* The box of a triangle in the picture above. */
+sort_box sort_picture_box(const double *picture, double error, const uint32_t corners[3]);
+
+/* The box of a triangle in one of the six pictures on the sides of a cube around the eye, -1..1 each way. */
+enum { SORT_CUBE_SIDES = 6 };
+sort_box sort_cube_box(const double eye[3], const double *positions, const uint32_t corners[3], int side);
+
+#endif

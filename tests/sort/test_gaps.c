@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Gaps: concave meshes, contacts without shared faces, parts, cavities and true cycles, against brute force. */
+#include "scene.h"
+
+TEST(grids_with_holes_are_in_exact_order_from_everywhere)
+{
+  cellist_context *context = harness_context(1);
+  for (unsigned kind = 0; kind < 120; kind++) {
+    random_state random = {kind};
+    cellist_mesh *mesh = scene_grid(context, 4, kind % 2 == 0 ? 0.1 : 0, 0.1 + 0.2 * (kind % 5), kind);
+    const cellist_viewpoint view = scene_view(kind, 4, &random);
+    cellist_sort_stats stats;
+    const oracle_count count = sort_and_check(context, mesh, &view, 60, &stats);
+    assert_true(stats.exact);
+    assert_int_equal(count.inversions, 0);
+    assert_true(count.pairs > 0);
+    assert_int_equal(stats.cells_in_groups, 0); /* a grid's cells can be ordered from everywhere, holes or not */
+    cellist_mesh_destroy(mesh);
+  }
+  harness_context_destroy(context);
+}
+
+/* Points and tets that grow. */
+struct pile {
+  size_t point_count, tet_count;
+  double points[3 * 4096];
+  uint32_t tets[4 * 4096];
+};
+
+static void pile_add_mesh(struct pile *pile, const cellist_mesh *mesh, double scale, const double shift[3]) {
+  const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
+  for (size_t i = 0; i < 4 * a->tet_count; i++)
+    pile->tets[4 * pile->tet_count + i] = (uint32_t)(a->tets[i] + pile->point_count);
+  for (size_t i = 0; i < 3 * a->point_count; i++)
+    pile->points[3 * pile->point_count + i] = scale * a->positions[i] + shift[i % 3];
+  pile->tet_count += a->tet_count;
+  pile->point_count += a->point_count;
+}
+
+static cellist_mesh *pile_mesh(cellist_context *context, const struct pile *pile) {
+  const cellist_mesh_desc desc = {
+      .point_count = pile->point_count, .positions = pile->points, .tet_count = pile->tet_count, .tets = pile->tets};
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_mesh_create(context, &desc, &mesh));
+  return mesh;
+}
+
+/* Three blocks that touch face to face, with points of their own: two alike and one twice as fine. */
+TEST(blocks_in_contact_are_in_exact_order)
+{
+  cellist_context *context = harness_context(1);
+  cellist_mesh *coarse = scene_grid(context, 2, 0, 0, 1), *fine = scene_grid(context, 4, 0.1, 0, 1);
+  struct pile *pile = calloc(1, sizeof *pile);
+  pile_add_mesh(pile, coarse, 1, (const double[]){0, 0, 0});
+  pile_add_mesh(pile, coarse, 1, (const double[]){2, 0, 0});
+  pile_add_mesh(pile, fine, 0.5, (const double[]){0, 2, 0.25});
+  cellist_mesh *mesh = pile_mesh(context, pile);
+  for (unsigned kind = 0; kind < 60; kind++) {
+    random_state random = {kind};
+    const cellist_viewpoint view = scene_view(kind, 4, &random);
+    cellist_sort_stats stats;
+    const oracle_count count = sort_and_check(context, mesh, &view, 60, &stats);
+    assert_true(stats.exact);
+    assert_int_equal(count.inversions, 0);
+    assert_int_equal(stats.cells_in_groups, 0);
+  }
+  cellist_mesh_destroy(mesh);
+  cellist_mesh_destroy(coarse);
+  cellist_mesh_destroy(fine);
+  free(pile);
+  harness_context_destroy(context);
+}
+
+/* A soup of tets, each in a cube of its own so that none cut each other. */
+TEST(scattered_tets_are_in_exact_order)
+{
+  cellist_context *context = harness_context(1);
+  for (unsigned kind = 0; kind < 48; kind++) {
+    random_state random = {kind};
+    struct pile *pile = calloc(1, sizeof *pile);
+    for (uint32_t cube = 0; cube < 125; cube++) {
+      for (uint32_t c = 0; c < 4; c++) {
+        const double corner[3] = {cube % 5, cube / 5 % 5, cube / 25};
+        pile->tets[4 * pile->tet_count + c] = (uint32_t)pile->point_count;
+        for (uint32_t k = 0; k < 3; k++) pile->points[3 * pile->point_count + k] = corner[k] + random_unit(&random);
+        pile->point_count++;
+      }
+      pile->tet_count++;
+    }
+    cellist_mesh *mesh = pile_mesh(context, pile);
+    const cellist_viewpoint view = scene_view(kind, 5, &random);
+    cellist_sort_stats stats;
+    const oracle_count count = sort_and_check(context, mesh, &view, 200, &stats);
+    assert_true(stats.exact);
+    assert_true(count.pairs > 20);
+    assert_int_equal(count.inversions, 0);
+    cellist_mesh_destroy(mesh);
+    free(pile);
+  }
+  harness_context_destroy(context);
+}
+
+/* Stick i leads from angle i to angle i + 1.3 (in n-ths of a turn) and down, so that the start of stick i + 1 lies
+ * above its end: seen from above, all lie on each other in a circle. A tet below and one above are no part of it. */
+static cellist_mesh *make_wheel(cellist_context *context, uint32_t n) {
+  struct pile *pile = calloc(1, sizeof *pile);
+  const double step = 2 * acos(-1) / n, thickness = 0.02 * step;
+  for (uint32_t i = 0; i < n; i++) {
+    const double a = i * step, b = (i + 1.3) * step;
+    const double corners[4][3] = {{(1 - thickness) * cos(a), (1 - thickness) * sin(a), step},
+                                  {(1 + thickness) * cos(a), (1 + thickness) * sin(a), step},
+                                  {cos(b), sin(b), -step - thickness},
+                                  {cos(b), sin(b), -step + thickness}};
+    memcpy(&pile->points[12 * (size_t)i], corners, sizeof corners);
+  }
+  for (uint32_t side = 0; side < 2; side++) {
+    const double z = side == 0 ? -8 : 8;
+    const double corners[4][3] = {{-4, -4, z}, {4, -4, z}, {0, 4, z}, {0, 0, z + 1}};
+    memcpy(&pile->points[12 * (size_t)(n + side)], corners, sizeof corners);
+  }
+  pile->tet_count = n + 2;
+  pile->point_count = 4 * pile->tet_count;
+  for (uint32_t i = 0; i < pile->point_count; i++) pile->tets[i] = i;
+  cellist_mesh *mesh = pile_mesh(context, pile);
+  free(pile);
+  return mesh;
+}
+
+TEST(a_wheel_is_one_group_of_exactly_its_cells)
+{
+  static const uint32_t sizes[] = {3, 4, 5, 8, 21, 64, 300};
+  cellist_context *context = harness_context(1);
+  for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++) {
+    const uint32_t n = sizes[s];
+    cellist_mesh *mesh = make_wheel(context, n);
+    const uint32_t *origin = cellist_mesh_get_arrays(mesh)->tet_origin;
+    const cellist_sorter_desc desc = sorter_desc_of(mesh);
+    cellist_sorter *sorter = NULL;
+    assert_success(context, cellist_sorter_create(context, &desc, &sorter));
+    for (int parallel = 0; parallel < 2; parallel++) {
+      const cellist_viewpoint view = {{0, 0, parallel ? -1 : 100}, parallel};
+      uint32_t order[302];
+      cellist_sort_stats stats;
+      assert_success(context, cellist_sorter_sort(sorter, &view, order, &stats));
+      const cellist_group *groups = NULL;
+      size_t group_count = 0;
+      cellist_sorter_groups(sorter, &groups, &group_count);
+      assert_int_equal(group_count, 1);
+      assert_int_equal(groups[0].begin, 1);
+      assert_int_equal(groups[0].count, n);
+      assert_int_equal(origin[order[0]], n);
+      assert_int_equal(origin[order[n + 1]], n + 1);
+      assert_true(stats.group_count == 1 && stats.largest_group == n && stats.cells_in_groups == n && stats.exact);
+      const oracle_count count = oracle_check(&desc, &view, order, groups, group_count, 100, 1);
+      assert_int_equal(count.inversions, 0);
+    }
+    /* Seen from the side there is no circle. */
+    const cellist_viewpoint side = {{1, 0.2, 0.01}, true};
+    cellist_sort_stats stats;
+    const oracle_count count = sort_and_check(context, mesh, &side, 100, &stats);
+    assert_int_equal(count.inversions, 0);
+    if (n > 8) assert_true(stats.largest_group < n);
+    cellist_sorter_destroy(sorter);
+    cellist_mesh_destroy(mesh);
+  }
+  harness_context_destroy(context);
+}
+
+TEST(any_number_of_workers_gives_the_same_order)
+{
+  cellist_mesh *mesh = NULL;
+  uint32_t *first = NULL;
+  size_t size = 0;
+  for (unsigned workers = 1; workers <= 4; workers++) {
+    cellist_context *context = harness_context(workers);
+    mesh = scene_grid(context, 12, 0.1, 0.3, 9);
+    const cellist_sorter_desc desc = sorter_desc_of(mesh);
+    cellist_sorter *sorter = NULL;
+    assert_success(context, cellist_sorter_create(context, &desc, &sorter));
+    size = 4 * desc.tet_count * sizeof(uint32_t);
+    uint32_t *orders = calloc(1, size);
+    for (unsigned kind = 0; kind < 4; kind++) {
+      random_state random = {77};
+      const cellist_viewpoint view = scene_view(kind, 12, &random);
+      assert_success(context, cellist_sorter_sort(sorter, &view, &orders[kind * desc.tet_count], NULL));
+    }
+    if (first == NULL) first = malloc(size), memcpy(first, orders, size);
+    assert_memory_equal(first, orders, size);
+    free(orders);
+    cellist_sorter_destroy(sorter);
+    cellist_mesh_destroy(mesh);
+    harness_context_destroy(context);
+  }
+  free(first);
+}
