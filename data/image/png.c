@@ -2,6 +2,7 @@
  * PNG through libpng, from and to memory: sRGB, 8 bit RGBA (not premultiplied) or RGB over a background.
  *
  * Compositing happens in linear light; the sRGB curve (IEC 61966-2-1) is applied last. */
+#include <base/srgb.h>
 #include <math.h>
 #include <png.h>
 #include <setjmp.h>
@@ -16,10 +17,6 @@ struct png_job {
   size_t read_at;
   bool out_of_memory; /* libpng reports that as any other error */
 };
-
-static double srgb_from_linear(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055; }
-
-static double linear_from_srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
 
 static uint8_t byte_of(double x) {
   if (!(x > 0)) return 0; /* NaN too */

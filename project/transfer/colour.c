@@ -4,6 +4,7 @@
  * HSV takes the shorter way round the hue circle. Lab is CIE L*a*b* of sRGB with the D65 white (IEC 61966-2-1).
  * Diverging is Moreland's Msh space ("Diverging Color Maps for Scientific Visualization", 2009, section 5): the polar
  * form of Lab, with an unsaturated point inserted between two saturated colours of different hue. */
+#include <base/srgb.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,10 +12,6 @@
 
 static const double PI = 3.14159265358979323846;
 static const double WHITE[3] = {0.9505, 1.0, 1.089};
-
-double linear_from_srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
-
-static double srgb_from_linear(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055; }
 
 static void hsv_from_rgb(const double rgb[3], double hsv[3]) {
   const double high = fmax(rgb[0], fmax(rgb[1], rgb[2])), low = fmin(rgb[0], fmin(rgb[1], rgb[2]));

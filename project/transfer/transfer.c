@@ -5,6 +5,7 @@
  * three inner points: what is linear stays as it is, knot for knot. Steps become two knots of the same value. */
 #include <cellist/transfer.h>
 
+#include <base/srgb.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

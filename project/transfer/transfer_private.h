@@ -37,6 +37,4 @@ cellist_result transfer_read_paraview(cellist_context *context, const char *path
 /* The colour at a share s (0..1) of the way between two nodes of that space. */
 void colour_mix(colour_space space, const double from[3], const double to[3], double s, double mixed[3]);
 
-double linear_from_srgb(double x);
-
 #endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Pipeline: one object from mesh to picture. */
+#include <cellist/pipeline.h>
+#include <math.h>
+#include <string.h>
+
+#include "harness.h"
+
+static cellist_result draw(cellist_context *context, const cellist_pipeline_desc *desc, cellist_image **image,
+                           cellist_pipeline_stats *stats) {
+  cellist_pipeline *pipeline = NULL;
+  cellist_result result = cellist_pipeline_create(context, desc, &pipeline);
+  if (result == CELLIST_SUCCESS) result = cellist_pipeline_draw(pipeline, NULL, 32, 24, image, stats);
+  cellist_pipeline_destroy(pipeline);
+  return result;
+}
+
+static cellist_result draw_and_release(cellist_context *context, void *user) {
+  cellist_image *image = NULL;
+  const cellist_result result = draw(context, user, &image, NULL);
+  cellist_image_destroy(image);
+  return result;
+}
+
+TEST(failed_allocations_leak_nothing)
+{
+  cellist_pipeline_desc desc = {.source = "sample:grid:48", .renderer = CELLIST_RENDERER_CAST};
+  check_allocation_failures(draw_and_release, &desc);
+  desc.precision = CELLIST_PRECISION_REFERENCE;
+  check_allocation_failures(draw_and_release, &desc);
+}
+
+TEST(a_picture_says_how_it_was_made)
+{
+  cellist_context *context = harness_context(2);
+  const cellist_pipeline_desc desc = {.source = "sample:grid:384", .optics = {.unit_diagonal_fraction = 50}};
+  cellist_image *image = NULL;
+  cellist_pipeline_stats stats;
+  assert_success(context, draw(context, &desc, &image, &stats));
+  assert_non_null(strstr(cellist_image_attribute(image, "owner"), "cellist"));
+  assert_non_null(strstr(cellist_image_attribute(image, "cellist camera"), "perspective eye "));
+  assert_non_null(strstr(cellist_image_attribute(image, "cellist optics"), "unstructured"));
+  assert_non_null(strstr(cellist_image_attribute(image, "cellist method"), stats.renderer));
+  size_t covered = 0;
+  for (size_t i = 0; i < 32 * 24; i++) {
+    const float alpha = cellist_image_channel(image, "A")[i], z = cellist_image_channel(image, "Z")[i];
+    covered += alpha > 0;
+    assert_true(isfinite(z) == (alpha > 0));
+  }
+  assert_true(covered > 100 && stats.fragments > covered && stats.transfer_knots == 5);
+  cellist_image_destroy(image);
+  harness_context_destroy(context);
+}
+
+TEST(opacity_scale_thickens)
+{
+  cellist_context *context = harness_context(1);
+  double sum[2] = {0, 0};
+  for (int i = 0; i < 2; i++) {
+    const cellist_pipeline_desc desc = {.source = "sample:grid:384", .optics = {.opacity_scale = i == 0 ? 0.5 : 2}};
+    cellist_image *image = NULL;
+    assert_success(context, draw(context, &desc, &image, NULL));
+    for (size_t k = 0; k < 32 * 24; k++) sum[i] += cellist_image_channel(image, "A")[k];
+    cellist_image_destroy(image);
+  }
+  assert_true(sum[0] > 0 && sum[1] > 1.2 * sum[0]);
+  harness_context_destroy(context);
+}
+
+TEST(what_does_not_exist_is_named)
+{
+  cellist_context *context = harness_context(1);
+  cellist_image *image = NULL;
+  cellist_pipeline_desc desc = {.source = "sample:nonsense"};
+  assert_failure(context, draw(context, &desc, &image, NULL), CELLIST_ERROR_NOT_FOUND, "nonsense");
+  desc.source = "sample:grid:minus";
+  assert_failure(context, draw(context, &desc, &image, NULL), CELLIST_ERROR_INVALID_ARGUMENT, "size");
+  desc.source = "no/such/mesh.vtu";
+  assert_failure(context, draw(context, &desc, &image, NULL), CELLIST_ERROR_IO, "no/such/mesh.vtu");
+  desc.source = "sample:grid";
+  desc.optics.scalar = "nonsense";
+  assert_failure(context, draw(context, &desc, &image, NULL), CELLIST_ERROR_NOT_FOUND, "no scalar 'nonsense'");
+  assert_null(image);
+  harness_context_destroy(context);
+}
