@@ -135,18 +135,27 @@ static inline void fast_add_interval(const fast_transfer *transfer, const fast_i
 
 /* Adds a segment of that length on which the scalar goes from `from` to `to`. interval: holds `from`; the result holds
  * `to`. piece_count: counts the pieces. Ends early where light->transmittance falls below transfer->opaque; the caller
- * then ends the ray. */
+ * then ends the ray. seen: NULL, or set to the parts of the segment (0..1) where its first contribution begins and its
+ * last one ends; left alone if there is none. */
 static inline uint32_t fast_add_segment(const fast_transfer *transfer, uint32_t interval, float from, float to,
-                                        float length, fast_light *light, uint32_t *piece_count) {
+                                        float length, fast_light *light, uint32_t *piece_count, float seen[2]) {
   /* A constant scalar at a step belongs to what lies below it, wherever the ray came from. */
   if (from == to)
     while (interval > 0 && from <= transfer->intervals[interval].low) interval--;
+  const float whole = length;
+  bool is_first = true;
   for (;;) {
     const fast_interval *in = &transfer->intervals[interval];
     const float end = fminf(fmaxf(to, in->low), in->high);
     const float part = end == to ? length : length * ((end - from) / (to - from));
+    const float before = light->transmittance;
     fast_add_interval(transfer, in, from, end, part, light);
     ++*piece_count;
+    if (seen != NULL && light->transmittance < before) {
+      if (is_first) seen[0] = 1 - length / whole;
+      seen[1] = 1 - (length - part) / whole;
+      is_first = false;
+    }
     if (end == to || light->transmittance < transfer->opaque) return interval;
     interval = to > in->high ? interval + 1 : interval - 1;
     from = end;

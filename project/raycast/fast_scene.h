@@ -106,6 +106,17 @@ static inline bool fast_enter(const fast_scene *scene, uint32_t face, float rx, 
   return true;
 }
 
+/* Weights whose sum is below this, times the square of the corners' distance from the ray, are little more than a few
+ * rounding errors: a face seen edge-on, with no say in where the ray passes it. Smaller: colours from elsewhere on the
+ * face (grids seen along an axis are full of such faces); larger: more rays cast twice. */
+#define FAST_EDGE_ON 1e-5f
+
+static inline bool fast_is_edge_on(const fast_point p[3], const float w[3]) {
+  float reach = 0;
+  for (int k = 0; k < 3; k++) reach = fmaxf(reach, p[k].x * p[k].x + p[k].y * p[k].y);
+  return w[0] + w[1] + w[2] < FAST_EDGE_ON * reach;
+}
+
 /* Length of a ray per unit of depth. */
 static inline float fast_ray_stretch(const fast_scene *scene, float rx, float ry) {
   return scene->perspective ? sqrtf(1 + rx * rx + ry * ry) : 1;

@@ -7,9 +7,10 @@
  * determinants and one from before are the weights of that face's corners, which give depth and scalar there.
  *
  * Of the eight combinations of three signs, two (all alike) have no exit: then rounding has moved the ray out of the
- * cell. That pixel is given up and cast by other means. In all others there is exactly one exit, and the edges of the
- * exit face have just the signs that the next cell expects. So a walk enters and leaves each cell at most once, as in
- * reference_walk.c, and ends after as many steps as the mesh has cells, whatever the mesh. */
+ * cell. That pixel is given up and cast by other means, as is one whose ray runs within a face. In all others there is
+ * exactly one exit, and the edges of the exit face have just the signs that the next cell expects. So a walk enters and
+ * leaves each cell at most once, as in reference_walk.c, and ends after as many steps as the mesh has cells, whatever
+ * the mesh. */
 #ifndef CELLIST_RAYCAST_FAST_WALK_H
 #define CELLIST_RAYCAST_FAST_WALK_H
 

@@ -25,15 +25,16 @@ static void add_cell(struct ray *ray, float z, float s, float next_z, float next
   uint32_t interval = ray->interval;
   const fast_interval *in = &scene->transfer.intervals[interval];
   if (!(s >= in->low && s <= in->high)) interval = fast_find_interval(&scene->transfer, s);
+  float seen[2];
   ray->interval = fast_add_segment(&scene->transfer, interval, s, next_s, (next_z - z) * ray->stretch, &pixel->light,
-                                   &pixel->piece_count);
+                                   &pixel->piece_count, scene->wants_depth ? seen : NULL);
   if (scene->wants_depth && pixel->light.transmittance < before) {
-    if (before == 1) pixel->z = z;
-    pixel->z_back = next_z;
+    pixel->z = fminf(pixel->z, z + seen[0] * (next_z - z));
+    pixel->z_back = fmaxf(pixel->z_back, z + seen[1] * (next_z - z));
   }
 }
 
-/* Returns false if the ray got lost. */
+/* Returns false if the ray got lost, or met a face within its plane. */
 static inline bool walk_chain(struct ray *ray, fast_stand *stand, fast_layout layout, uint64_t *step_count) {
   const fast_scene *scene = ray->scene;
   float z = stand->now.z, s = stand->now.s;
@@ -54,6 +55,7 @@ static inline bool walk_chain(struct ray *ray, fast_stand *stand, fast_layout la
     stand->w[i] = -side[j];
     stand->w[j] = side[i];
     stand->place = fast_cells_next(&scene->cells, layout, stand->place, stand->id, leaving);
+    if (fast_is_edge_on(stand->p, stand->w)) return false;
     const fast_crossing next = fast_cross(scene, stand->p, stand->w);
     const float next_z = fmaxf(next.z, z);
     if (scene->cell_scalars != NULL)
@@ -80,9 +82,9 @@ static inline void walk_pixel(const fast_scene *scene, fast_tile *tile, uint32_t
   bool folded = false;
   for (uint32_t e = tile->first[at]; e != CELLIST_NONE; e = tile->entries[e].next) {
     fast_stand stand;
-    fast_enter(scene, tile->entries[e].face, ray.rx, ray.ry, &stand);
+    if (!fast_enter(scene, tile->entries[e].face, ray.rx, ray.ry, &stand)) continue;
     folded = folded || stand.now.z < ray.reached - FAST_FOLD_TOLERANCE * (1 + fabsf(ray.reached));
-    if (!walk_chain(&ray, &stand, layout, &tile->step_count)) {
+    if (fast_is_edge_on(stand.p, stand.w) || !walk_chain(&ray, &stand, layout, &tile->step_count)) {
       tile->retries[tile->retry_count++] = (uint16_t)at;
       return;
     }
@@ -107,7 +109,7 @@ static void walk_tet16(const fast_scene *scene, fast_tile *tile, uint32_t at) {
 
 void fast_walk_portable(const fast_scene *scene, fast_tile *tile) {
   static void (*const WALK[FAST_LAYOUT_COUNT])(const fast_scene *, fast_tile *, uint32_t) = {walk_ranked, walk_tet32,
-                                                                                            walk_tet20, walk_tet16};
+                                                                                             walk_tet20, walk_tet16};
   for (uint32_t i = 0; i < FAST_TILE_PIXELS; i++) {
     const uint32_t at = fast_tile_pixel(i);
     if (tile->first[at] != CELLIST_NONE) WALK[scene->cells.layout](scene, tile, at);

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "fast.h"
+
 cellist_result cellist_raycaster_create(cellist_context *context, const cellist_mesh *mesh,
                                         const cellist_scalar *scalar, const cellist_raycaster_desc *desc,
                                         cellist_raycaster **caster) {
@@ -30,6 +32,7 @@ cellist_result cellist_raycaster_create(cellist_context *context, const cellist_
 
 void cellist_raycaster_destroy(cellist_raycaster *caster) {
   if (caster == NULL) return;
+  fast_caster_destroy(caster->fast);
   hierarchy_release(caster->context, &caster->hierarchy);
   cellist_deallocate(caster->context, caster->slopes);
   cellist_deallocate(caster->context, caster->point_gradients);
@@ -108,7 +111,7 @@ cellist_result cellist_raycaster_render(cellist_raycaster *caster, const cellist
   if (chosen.precision == CELLIST_PRECISION_REFERENCE)
     result = raycaster_render_reference(caster, frame, transfer, &chosen.optics, output, &found);
   else
-    result = cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this build has no fast caster");
+    result = raycaster_render_fast(caster, frame, transfer, &chosen.optics, output, &found);
   if (result == CELLIST_SUCCESS && stats != NULL) *stats = found;
   return result;
 }

@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 
 #include "gradients.h"
+#include "outputs.h"
 #include "raycaster.h"
 #include "reference_shade.h"
 #include "reference_walk.h"
@@ -15,10 +16,8 @@ enum { TILE = 16 };
 /* How often progress is reported at most, and cancelling possible. */
 enum { STAGES = 32 };
 
-/* Where a pixel's values go in an image; NULL: the image has no such channel. */
-struct planes {
-  float *colour[3], *alpha, *z, *z_back, *transmittance, *cells, *segments;
-};
+/* Single pixels that a worker takes at a time. */
+enum { LISTED_GRAIN = 16 };
 
 /* What a worker keeps. */
 struct hand {
@@ -31,50 +30,12 @@ struct job {
   cellist_raycaster *caster;
   const cellist_frame *frame;
   const shade_scene *scene;
-  const cellist_raycast_output *output;
-  struct planes planes;
-  size_t first_tile;  /* of the stage */
-  struct hand *hands; /* one per worker */
+  pixel_outputs outputs;
+  const uint32_t *pixels; /* y * width + x: draw these only; NULL: the whole picture */
+  size_t first_tile;      /* of the stage */
+  struct hand *hands;     /* one per worker */
   atomic_bool failed;
 };
-
-static struct planes planes_of(const cellist_image *image) {
-  struct planes planes = {0};
-  if (image == NULL) return planes;
-  static const char *const COLOUR[3] = {"R", "G", "B"};
-  for (int k = 0; k < 3; k++) planes.colour[k] = cellist_image_channel(image, COLOUR[k]);
-  planes.alpha = cellist_image_channel(image, "A");
-  planes.z = cellist_image_channel(image, "Z");
-  planes.z_back = cellist_image_channel(image, "ZBack");
-  planes.transmittance = cellist_image_channel(image, "transmittance.Y");
-  planes.cells = cellist_image_channel(image, "cells.Y");
-  planes.segments = cellist_image_channel(image, "segments.Y");
-  return planes;
-}
-
-static void put(float *plane, size_t at, double value) {
-  if (plane != NULL) plane[at] = (float)value;
-}
-
-static void store(const struct job *job, size_t at, const shade_pixel *pixel, uint32_t cell_count) {
-  const cellist_raycast_output *output = job->output;
-  for (int k = 0; k < 3; k++) {
-    if (output->rgba != NULL) output->rgba[4 * at + (size_t)k] = pixel->colour[k];
-    put(job->planes.colour[k], at, pixel->colour[k]);
-  }
-  if (output->rgba != NULL) output->rgba[4 * at + 3] = pixel->alpha;
-  if (output->transmittance != NULL) output->transmittance[at] = pixel->transmittance;
-  if (output->z != NULL) output->z[at] = pixel->z;
-  if (output->z_back != NULL) output->z_back[at] = pixel->z_back;
-  if (output->cell_count != NULL) output->cell_count[at] = cell_count;
-  if (output->segment_count != NULL) output->segment_count[at] = pixel->segment_count;
-  put(job->planes.alpha, at, pixel->alpha);
-  put(job->planes.z, at, pixel->z);
-  put(job->planes.z_back, at, pixel->z_back);
-  put(job->planes.transmittance, at, pixel->transmittance);
-  put(job->planes.cells, at, cell_count);
-  put(job->planes.segments, at, pixel->segment_count);
-}
 
 static void draw_pixel(struct job *job, uint32_t x, uint32_t y, struct hand *hand) {
   ray_walker *walker = &hand->walker;
@@ -88,7 +49,7 @@ static void draw_pixel(struct job *job, uint32_t x, uint32_t y, struct hand *han
   const shade_pixel pixel = shade_segments(job->scene, walker->segments, walker->segment_count, length_per_t);
   hand->segment_count += pixel.segment_count;
   hand->error = fmax(hand->error, pixel.error);
-  store(job, (size_t)y * job->frame->width + x, &pixel, walker->ray_steps);
+  outputs_store(&job->outputs, (size_t)y * job->frame->width + x, &pixel, walker->ray_steps);
 }
 
 static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
@@ -101,6 +62,13 @@ static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
   }
 }
 
+static void draw_listed(void *user, size_t begin, size_t end, unsigned worker) {
+  struct job *job = user;
+  const uint32_t width = job->frame->width;
+  for (size_t i = begin; i < end && !atomic_load(&job->failed); i++)
+    draw_pixel(job, job->pixels[i] % width, job->pixels[i] / width, &job->hands[worker]);
+}
+
 static cellist_result draw_all(cellist_context *context, struct job *job) {
   const size_t across = (job->frame->width + TILE - 1) / TILE, down = (job->frame->height + TILE - 1) / TILE;
   const size_t tile_count = across * down, stage_size = (tile_count + STAGES - 1) / STAGES;
@@ -108,7 +76,7 @@ static cellist_result draw_all(cellist_context *context, struct job *job) {
   while (job->first_tile < tile_count && result == CELLIST_SUCCESS) {
     const size_t left = tile_count - job->first_tile, count = left < stage_size ? left : stage_size;
     cellist_parallel_for(context, count, 1, draw_tiles, job);
-    if (atomic_load(&job->failed)) return CELLIST_ERROR_OUT_OF_MEMORY; /* the worker left the message */
+    if (atomic_load(&job->failed)) return CELLIST_ERROR_OUT_OF_MEMORY;
     job->first_tile += count;
     result = cellist_progress(context, "casting", (double)job->first_tile / (double)tile_count);
   }
@@ -162,12 +130,12 @@ static cellist_result prepare(cellist_raycaster *caster, const cellist_optics *o
 }
 
 static cellist_result draw_scene(cellist_raycaster *caster, const cellist_frame *frame, const shade_scene *scene,
-                                 const cellist_raycast_output *output, cellist_raycast_stats *stats) {
+                                 const cellist_raycast_output *output, const uint32_t *pixels, size_t pixel_count,
+                                 cellist_raycast_stats *stats) {
   cellist_context *context = caster->context;
   const cellist_light *light = &scene->optics.light;
   const unsigned worker_count = cellist_context_worker_count(context);
-  struct job job = {.caster = caster, .frame = frame, .scene = scene, .output = output};
-  job.planes = planes_of(output->image);
+  struct job job = {.caster = caster, .frame = frame, .scene = scene, .outputs = outputs_of(output), .pixels = pixels};
   atomic_init(&job.failed, false);
   job.hands = cellist_allocate_zeroed(context, worker_count, sizeof *job.hands);
   if (job.hands == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
@@ -181,21 +149,40 @@ static cellist_result draw_scene(cellist_raycaster *caster, const cellist_frame 
     if (light->enabled && light->cell_gradients) walker->cell_gradients = caster->cell_gradients;
     if (light->enabled && !light->cell_gradients) walker->point_gradients = caster->point_gradients;
   }
-  const cellist_result result = draw_all(context, &job);
+  cellist_result result = CELLIST_SUCCESS;
+  if (pixels == NULL)
+    result = draw_all(context, &job);
+  else
+    cellist_parallel_for(context, pixel_count, LISTED_GRAIN, draw_listed, &job);
+  if (atomic_load(&job.failed)) result = CELLIST_ERROR_OUT_OF_MEMORY; /* the worker left the message */
   sum_up(&job, worker_count, stats);
   for (unsigned i = 0; i < worker_count; i++) walk_release(&job.hands[i].walker);
   cellist_deallocate(context, job.hands);
   return result;
 }
 
-cellist_result raycaster_render_reference(cellist_raycaster *caster, const cellist_frame *frame,
-                                          const cellist_transfer *transfer, const cellist_optics *optics,
-                                          const cellist_raycast_output *output, cellist_raycast_stats *stats) {
+static cellist_result render(cellist_raycaster *caster, const cellist_frame *frame, const cellist_transfer *transfer,
+                             const cellist_optics *optics, const cellist_raycast_output *output, const uint32_t *pixels,
+                             size_t pixel_count, cellist_raycast_stats *stats) {
   cellist_result result = prepare(caster, optics);
   if (result != CELLIST_SUCCESS) return result;
   shade_scene scene;
   result = shade_begin(caster->context, optics, transfer, frame, &scene);
-  if (result == CELLIST_SUCCESS) result = draw_scene(caster, frame, &scene, output, stats);
+  if (result == CELLIST_SUCCESS) result = draw_scene(caster, frame, &scene, output, pixels, pixel_count, stats);
   shade_end(caster->context, &scene);
   return result;
+}
+
+cellist_result raycaster_render_reference(cellist_raycaster *caster, const cellist_frame *frame,
+                                          const cellist_transfer *transfer, const cellist_optics *optics,
+                                          const cellist_raycast_output *output, cellist_raycast_stats *stats) {
+  return render(caster, frame, transfer, optics, output, NULL, 0, stats);
+}
+
+cellist_result raycaster_recast_pixels(cellist_raycaster *caster, const cellist_frame *frame,
+                                       const cellist_transfer *transfer, const cellist_optics *optics,
+                                       const cellist_raycast_output *output, const uint32_t *pixels,
+                                       size_t pixel_count) {
+  cellist_raycast_stats stats = {0};
+  return render(caster, frame, transfer, optics, output, pixels, pixel_count, &stats);
 }

@@ -86,7 +86,7 @@ TEST(rays_of_many_segments_agree_with_quadrature)
           random_below(&random, 2) ? (float)random_unit(&random) : at + 0.01f * (float)(random_unit(&random) - 0.5);
       to = random_below(&random, 8) == 0 ? at : fminf(fmaxf(to, 0), 1);
       const float length = (float)(scale * random_unit(&random));
-      interval = fast_add_segment(&table, interval, at, to, length, &light, &pieces);
+      interval = fast_add_segment(&table, interval, at, to, length, &light, &pieces, NULL);
       exact_segment(&transfer, at, to, length, exact);
       at = to;
     }
@@ -122,7 +122,7 @@ TEST(stiff_and_odd_transfer_functions_stay_finite)
         assert_true(a >= 0 && a <= 1 && b >= 0 && b <= 1);
         fast_light light = {{0}, 1};
         uint32_t pieces = 0;
-        fast_add_segment(&table, fast_find_interval(&table, a), a, b, 1, &light, &pieces);
+        fast_add_segment(&table, fast_find_interval(&table, a), a, b, 1, &light, &pieces, NULL);
         for (int k = 0; k < 3; k++) assert_true(light.colour[k] >= 0 && light.colour[k] <= 1.00001f);
         assert_true(light.transmittance >= -1e-6f && light.transmittance <= 1 && pieces < 10);
       }
@@ -144,7 +144,7 @@ TEST(knots_far_outside_the_scalars_are_extended_or_interpolated)
     assert_success(context, fast_transfer_create(context, &transfer, 0, 1, 1, true, &table));
     fast_light light = {{0}, 1};
     uint32_t pieces = 0;
-    fast_add_segment(&table, fast_find_interval(&table, 0.5f), 0.5f, 0.5f, 1, &light, &pieces);
+    fast_add_segment(&table, fast_find_interval(&table, 0.5f), 0.5f, 0.5f, 1, &light, &pieces, NULL);
     assert_true(fabs(-log(light.transmittance) - cases[i].expected) < 1e-5);
     fast_transfer_release(context, &table);
   }
