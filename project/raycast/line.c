@@ -44,6 +44,7 @@ void line_begin(ray_line *line, const double *positions, const double bounds[6],
   }
   line->shear_x = direction[line->x] / direction[line->z];
   line->shear_y = direction[line->y] / direction[line->z];
+  line->unit = 1 / line->scale;
   line->depth_per_z = 1 / (line->scale * direction[line->z]);
 
   double reach = 0;
@@ -109,7 +110,8 @@ line_crossing line_cross_face(const ray_line *line, const line_point corner[3], 
     weight[2] = fabs(b->x - a->x);
     sum = weight[0] + weight[1] + weight[2];
   }
-  double beside_x = 0, beside_y = 0;
+  const double scale_down = 1 / sum;
+  double beside_x = 0, beside_y = 0, depth_doubt = 0;
   for (int k = 0; k < 3; k++) {
     weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
     crossing.depth += weight[k] * corner[k].z;
@@ -119,11 +121,12 @@ line_crossing line_cross_face(const ray_line *line, const line_point corner[3], 
   double spread = 0;
   for (int k = 0; k < 3; k++) {
     const double distance = fabs(corner[k].z - crossing.depth);
-    spread = fmax(spread, distance);
-    crossing.depth_error += doubt[k] / sum * distance;
+    spread = distance > spread ? distance : spread;
+    depth_doubt += doubt[k] * distance;
   }
+  crossing.depth_error += depth_doubt * scale_down;
   /* The true point lies in the face as well. */
   if (!(crossing.depth_error < spread + line->depth_error)) crossing.depth_error = spread + line->depth_error;
-  crossing.offset = (fabs(beside_x) + fabs(beside_y) + line->error) / line->scale;
+  crossing.offset = (fabs(beside_x) + fabs(beside_y) + line->error) * line->unit;
   return crossing;
 }

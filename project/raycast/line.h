@@ -16,6 +16,7 @@ typedef struct ray_line {
   int x, y, z;             /* axes of the projection along the line; z: where the direction is largest */
   double shear_x, shear_y; /* direction[x] / direction[z], direction[y] / direction[z] */
   double scale;            /* a power of two; scaled coordinates are below 1 */
+  double unit;             /* 1 / scale */
   double depth_per_z;      /* ray parameter per scaled z */
   double error;            /* of a side test, per sum of its scaled coordinates; more than that of a coordinate */
   double depth_error;      /* of line_point.z */

@@ -11,11 +11,11 @@
 #include <math.h>
 #include <string.h>
 
-/* exp(-x) is 0 in double from 746 on: what lies behind cannot show. */
-static const double OPAQUE_DEPTH = 750;
-
 /* Rounding of a piece's depth, weights, colours and their sum, relative: 32 u. */
 static const double PIECE_ROUNDING = 32 * 0x1p-53;
+
+/* fmax is a call into the mathematical library. */
+static double larger(double a, double b) { return a > b ? a : b; }
 
 static void normalise(double v[3]) {
   const double length = hypot(hypot(v[0], v[1]), v[2]);
@@ -72,7 +72,7 @@ void shade_contribute(shade_gathering *gathering, const walk_segment *segment, d
 static void doubt_place(shade_gathering *gathering, double from, double to, double length, double transmittance) {
   if (!(length > 0)) return;
   gathering->depth_error += fabs(to - from) * length;
-  gathering->colour_error += transmittance * gathering->scene->largest_colour * fmax(from, to) * length;
+  gathering->colour_error += transmittance * gathering->scene->largest_colour * larger(from, to) * length;
 }
 
 /* Steps of the transfer function that the segment passes, or may pass if its scalar is a little off. */
@@ -99,7 +99,7 @@ static void piece_slopes(const cellist_transfer *transfer, const reference_piece
                               *above = &transfer->knots[piece->interval];
   const double width = above->value - below->value;
   *extinction = fabs(above->extinction - below->extinction) / width;
-  for (int k = 0; k < 3; k++) *colour = fmax(*colour, fabs(above->colour[k] - below->colour[k]) / width);
+  for (int k = 0; k < 3; k++) *colour = larger(*colour, fabs(above->colour[k] - below->colour[k]) / width);
 }
 
 static void doubt_piece(shade_gathering *gathering, const walk_segment *segment, const reference_piece *piece,
@@ -107,7 +107,7 @@ static void doubt_piece(shade_gathering *gathering, const walk_segment *segment,
   double extinction_slope, colour_slope;
   piece_slopes(gathering->scene->transfer, piece, &extinction_slope, &colour_slope);
   const bool attenuated = gathering->scene->optics.model != CELLIST_MODEL_EMISSION;
-  const double alpha = attenuated ? fmin(1, depth) : depth, colour = gathering->scene->largest_colour;
+  const double alpha = attenuated && depth > 1 ? 1 : depth, colour = gathering->scene->largest_colour;
   const double depth_error = extinction_slope * segment->scalar_error * length + PIECE_ROUNDING * depth;
   gathering->colour_error +=
       transmittance * (2 * colour * depth_error + alpha * colour_slope * segment->scalar_error +
@@ -127,10 +127,9 @@ static void add_emission(shade_gathering *gathering, const reference_piece *piec
 static void gather_piece(shade_gathering *gathering, const walk_segment *segment, const reference_piece *piece,
                          double length) {
   const cellist_optics *optics = &gathering->scene->optics;
-  const double so_far = reference_sum_value(&gathering->depth);
-  if (so_far > OPAQUE_DEPTH) return;
+  if (!(gathering->transmittance > 0)) return;
   const bool attenuated = optics->model != CELLIST_MODEL_EMISSION;
-  const double transmittance = attenuated ? exp(-so_far) : 1;
+  const double transmittance = gathering->transmittance;
   double front, back;
   const double depth =
       reference_piece_weights(piece->extinction[0] * length, piece->extinction[1] * length, &front, &back);
@@ -144,7 +143,10 @@ static void gather_piece(shade_gathering *gathering, const walk_segment *segment
     for (int k = 0; k < 3; k++)
       reference_sum_add(&gathering->colour[k],
                         transmittance * (front * piece->colour[0][k] + back * piece->colour[1][k]));
-  if (attenuated) reference_sum_add(&gathering->depth, depth);
+  if (attenuated) {
+    reference_sum_add(&gathering->depth, depth);
+    gathering->transmittance = exp(-reference_sum_value(&gathering->depth));
+  }
   shade_contribute(gathering, segment, piece->begin, piece->end);
 }
 
@@ -152,7 +154,7 @@ static void shade_volume(shade_gathering *gathering, const walk_segment *segment
   double extinction_before = 0; /* where the last segment ended */
   for (size_t i = 0; i < count; i++) {
     const walk_segment *segment = &segments[i], *before = i > 0 ? &segments[i - 1] : NULL;
-    const double transmittance = exp(-reference_sum_value(&gathering->depth));
+    const double transmittance = gathering->transmittance;
     reference_pieces pieces;
     reference_piece piece;
     reference_pieces_begin(&pieces, gathering->scene->transfer, segment->scalar[0], segment->scalar[1]);
@@ -174,15 +176,16 @@ static void shade_volume(shade_gathering *gathering, const walk_segment *segment
   }
   const double depth = reference_sum_value(&gathering->depth);
   if (count > 0)
-    doubt_place(gathering, extinction_before, 0, segments[count - 1].t_error[1] * gathering->length_per_t, exp(-depth));
+    doubt_place(gathering, extinction_before, 0, segments[count - 1].t_error[1] * gathering->length_per_t,
+                gathering->transmittance);
   if (gathering->scene->optics.model == CELLIST_MODEL_EMISSION) return;
-  gathering->pixel.transmittance = exp(-depth);
+  gathering->pixel.transmittance = gathering->transmittance;
   gathering->pixel.alpha = -expm1(-depth);
 }
 
 shade_pixel shade_segments(const shade_scene *scene, const walk_segment *segments, size_t count, double length_per_t) {
   shade_gathering gathering = {
-      .scene = scene, .length_per_t = length_per_t, .pixel = {.z = HUGE_VAL, .transmittance = 1}};
+      .scene = scene, .length_per_t = length_per_t, .transmittance = 1, .pixel = {.z = HUGE_VAL, .transmittance = 1}};
   const cellist_model model = scene->optics.model;
   if (model == CELLIST_MODEL_ISOSURFACES)
     shade_isosurfaces(&gathering, segments, count);

@@ -43,6 +43,7 @@ typedef struct shade_gathering {
   double length_per_t;
   shade_pixel pixel;
   reference_sum colour[3], depth; /* depth: optical */
+  double transmittance;           /* exp(-depth); 1 if nothing is absorbed */
   double colour_error, depth_error;
 } shade_gathering;
 

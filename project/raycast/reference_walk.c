@@ -23,6 +23,9 @@ static const double FOLD_TOLERANCE = 1e-10;
 /* Three products, two sums and the interpolation along a segment: 8 u. */
 static const double SCALAR_ROUNDING = 8 * 0x1p-53;
 
+/* fmax is a call into the mathematical library, an eighth of the walk's time. */
+static double larger(double a, double b) { return a > b ? a : b; }
+
 static bool reserve(cellist_context *context, void **block, size_t *capacity, size_t count, size_t size) {
   if (count <= *capacity) return true;
   const size_t wanted = count < 64 ? 64 : 2 * count;
@@ -53,7 +56,7 @@ static struct crossing cross_face(const ray_walker *walker, const line_point cor
     if (walker->scalar->association == CELLIST_ON_POINTS) {
       const double value = walker->scalar->values[corner[c].id];
       crossing.scalar += at.weight[c] * value;
-      crossing.largest_scalar = fmax(crossing.largest_scalar, fabs(value));
+      crossing.largest_scalar = larger(crossing.largest_scalar, fabs(value));
     }
     if (walker->point_gradients != NULL)
       for (int k = 0; k < 3; k++)
@@ -106,8 +109,9 @@ static void fill_segment(const ray_walker *walker, walk_segment *segment, uint32
   segment->tet = tet;
   if (!on_cells) {
     const double slope = walker->slopes != NULL ? (double)walker->slopes[tet] : 0;
-    const double largest = fmax(front->largest_scalar, back->largest_scalar);
-    segment->scalar_error = SCALAR_ROUNDING * largest + fmin(slope * fmax(front->offset, back->offset), 2 * largest);
+    const double largest = larger(front->largest_scalar, back->largest_scalar);
+    const double beside = slope * larger(front->offset, back->offset);
+    segment->scalar_error = SCALAR_ROUNDING * largest + (beside < 2 * largest ? beside : 2 * largest);
   }
   for (int end = 0; end < 2; end++) {
     segment->t[end] = ends[end]->t;
@@ -153,72 +157,63 @@ static bool add_segment(ray_walker *walker, uint32_t tet, const struct crossing 
   return true;
 }
 
-/* The corner of the tet whose opposite face the line leaves by, having come in by the face opposite to `entered`. The
- * three edges of that face turn the same way; seen from the next face the one that both share turns the other way. */
-static int leave_tet(ray_walker *walker, const line_point point[4], int entered, struct crossing *back) {
-  int side[4] = {0};
-  bool tie[4] = {false};
-  for (int v = 0; v < 4; v++)
-    if (v != entered) side[v] = line_side(&walker->line, &point[entered], &point[v], &tie[v]);
-  for (int left = 0; left < 4; left++) {
-    if (left == entered) continue;
-    const uint8_t *face = CELLIST_TET_FACE[left];
-    line_point corner[3];
-    bool is_tie[3], all = true;
-    for (int c = 0; c < 3; c++) {
-      const int from = face[c], to = face[(c + 1) % 3];
-      corner[c] = point[from];
-      is_tie[c] = false;
-      if (from == entered) {
-        all = all && side[to] > 0;
-        is_tie[c] = tie[to];
-      } else if (to == entered) {
-        all = all && side[from] < 0;
-        is_tie[c] = tie[from];
-      }
-    }
-    if (!all) continue;
-    for (int c = 0; c < 3; c++)
-      if (face[c] != entered && face[(c + 1) % 3] != entered)
-        (void)line_side(&walker->line, &corner[c], &corner[(c + 1) % 3], &is_tie[c]);
-    *back = cross_face(walker, corner, is_tie);
-    return left;
-  }
-  return -1;
+/* The face that the line is passing: corners in the order in which every edge, seen along the line, turns the same way
+ * round it (the order outwards for the tet that is left). is_tie[c]: the edge from corner c to the next met the line.
+ */
+struct passed_face {
+  line_point corner[3];
+  bool is_tie[3];
+};
+
+static uint32_t local_corner(const uint32_t tet[4], uint32_t point) {
+  return tet[0] == point ? 0 : tet[1] == point ? 1 : tet[2] == point ? 2 : 3;
+}
+
+/* The corner of the tet that its face lacks. */
+static uint32_t apex_of(const uint32_t tet[4], const struct passed_face *face) {
+  for (uint32_t v = 0; v < 3; v++)
+    if (tet[v] != face->corner[0].id && tet[v] != face->corner[1].id && tet[v] != face->corner[2].id) return tet[v];
+  return tet[3];
+}
+
+/* Passes through a tet: replaces the face by the one through which the line leaves it, which has one edge of the first
+ * and the apex. The line leaves where the sides of the two new edges differ as those of a face must. Returns the corner
+ * that is not on that face. */
+static uint32_t pass_tet(ray_walker *walker, const uint32_t tet[4], struct passed_face *face) {
+  const line_point apex = line_project(&walker->line, apex_of(tet, face));
+  int side[3];
+  bool is_tie[3];
+  for (int c = 0; c < 3; c++) side[c] = line_side(&walker->line, &face->corner[c], &apex, &is_tie[c]);
+  /* Exactly one of the three edges fits; the last needs no question. */
+  int from = 0;
+  while (from < 2 && !(side[from] < 0 && side[(from + 1) % 3] > 0)) from++;
+  const int to = (from + 1) % 3, lost = (from + 2) % 3;
+  const uint32_t lost_id = face->corner[lost].id;
+  *face = (struct passed_face){{face->corner[from], face->corner[to], apex},
+                               {face->is_tie[from], is_tie[to], is_tie[from]}};
+  return local_corner(tet, lost_id);
 }
 
 /* Follows one chain; *leaves_at is where it ends. */
 static bool walk_chain(ray_walker *walker, uint32_t entry_face, double near_distance, double *leaves_at) {
   const cellist_mesh_arrays *mesh = walker->mesh;
-  uint32_t tet = entry_face / 4;
-  int entered = (int)(entry_face % 4);
-  line_point corner[3];
-  bool is_tie[3];
-  (void)face_side(walker, entry_face, corner, is_tie);
-  struct crossing front = cross_face(walker, corner, is_tie);
-  for (;;) {
-    line_point point[4];
-    for (int v = 0; v < 4; v++) point[v] = line_project(&walker->line, mesh->tets[4 * (size_t)tet + (size_t)v]);
-    struct crossing back;
-    const int left = leave_tet(walker, point, entered, &back);
-    if (left < 0) break; /* cannot happen: the line that entered a tet leaves it */
+  struct passed_face face, entry;
+  (void)face_side(walker, entry_face, entry.corner, entry.is_tie);
+  for (int c = 0; c < 3; c++) { /* outwards for the cell before it, if there were one */
+    face.corner[c] = entry.corner[(3 - c) % 3];
+    face.is_tie[c] = entry.is_tie[2 - c];
+  }
+  struct crossing front = cross_face(walker, face.corner, face.is_tie);
+  for (uint32_t tet = entry_face / 4, lost; tet != CELLIST_NONE; tet = mesh->neighbours[4 * (size_t)tet + lost]) {
+    lost = pass_tet(walker, &mesh->tets[4 * (size_t)tet], &face);
+    struct crossing back = cross_face(walker, face.corner, face.is_tie);
     /* Depths never fall along a chain; where rounding says so, on faces seen edge-on, the length is 0. */
     if (!(back.t > front.t)) {
       back.t_error += front.t - back.t;
       back.t = front.t;
     }
     if (!add_segment(walker, tet, &front, &back, near_distance)) return false;
-    const uint32_t next = mesh->neighbours[4 * (size_t)tet + (size_t)left];
     front = back;
-    if (next == CELLIST_NONE) break;
-    const uint32_t opposite[3] = {mesh->tets[4 * (size_t)tet + CELLIST_TET_FACE[left][0]],
-                                  mesh->tets[4 * (size_t)tet + CELLIST_TET_FACE[left][1]],
-                                  mesh->tets[4 * (size_t)tet + CELLIST_TET_FACE[left][2]]};
-    tet = next;
-    for (entered = 0; entered < 3; entered++) {
-      const uint32_t v = mesh->tets[4 * (size_t)tet + (size_t)entered];
-      if (v != opposite[0] && v != opposite[1] && v != opposite[2]) break;
-    }
   }
   *leaves_at = front.t;
   return true;

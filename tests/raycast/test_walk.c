@@ -278,3 +278,54 @@ TEST(overlapping_cells_end_and_are_counted)
   assert_int_equal(setup.walker.segment_count, 2);
   setup_destroy(&setup);
 }
+
+/* Shoots rays through pairs of vertices of a real mesh, a third of them along its edges, and the same rays displaced by
+ * a small amount as line.h displaces them by an infinitesimal one. */
+static void compare_with_small_shift(const char *name) {
+  const char *path = shared_data(name);
+  walk_setup setup = {.scene = {.context = harness_context(1)}};
+  cellist_context *context = setup.scene.context;
+  assert_success(context, cellist_mesh_read(context, path, NULL, &setup.scene.mesh));
+  assert_success(context, cellist_scalar_select(context, setup.scene.mesh, NULL, &setup.scene.scalar));
+  const cellist_mesh_arrays *mesh = cellist_mesh_get_arrays(setup.scene.mesh);
+  assert_success(context, hierarchy_build(context, mesh, &setup.hierarchy));
+  setup.walker =
+      (ray_walker){.context = context, .mesh = mesh, .scalar = &setup.scene.scalar, .hierarchy = &setup.hierarchy};
+  ray_walker *walker = &setup.walker;
+  double size = 0;
+  for (int k = 0; k < 3; k++) size = fmax(size, mesh->bounds[3 + k] - mesh->bounds[k]);
+  random_state random = {7};
+  int differing = 0;
+  enum { RAYS = 3000 };
+  for (int round = 0; round < RAYS; round++) {
+    const uint32_t *tet = &mesh->tets[4 * random_below(&random, mesh->tet_count)];
+    const size_t a = tet[0], b = round % 3 ? random_below(&random, mesh->point_count) : tet[1];
+    double origin[3], direction[3], total[2] = {0, 0};
+    if (a == b) continue;
+    for (size_t k = 0; k < 3; k++) {
+      direction[k] = mesh->positions[3 * b + k] - mesh->positions[3 * a + k];
+      origin[k] = mesh->positions[3 * a + k] - (round % 2 ? 0 : 64) * direction[k];
+    }
+    for (int displaced = 0; displaced < 2; displaced++) {
+      assert_true(walk_ray(walker, origin, direction, 0));
+      for (size_t s = 0; s < walker->segment_count; s++)
+        total[displaced] += walker->segments[s].t[1] - walker->segments[s].t[0];
+      origin[walker->line.x] += 1e-7 * size;
+      origin[walker->line.y] += 1e-11 * size;
+    }
+    const double length = hypot(hypot(direction[0], direction[1]), direction[2]);
+    differing += fabs(total[0] - total[1]) * length > 1e-4 * size;
+  }
+  assert_int_equal(walker->fold_ray_count, 0);
+  assert_true(walker->retry_count > RAYS);
+  /* Cells thinner than the small shift may tell the two apart. */
+  assert_true(differing <= RAYS / 100);
+  setup_destroy(&setup);
+}
+
+TEST(rays_through_vertices_and_along_edges_of_spx)
+{ compare_with_small_shift("spx.vtu"); }
+TEST(rays_through_vertices_and_along_edges_of_torus_vt)
+{ compare_with_small_shift("torus_vt.vtu"); }
+TEST(rays_through_vertices_and_along_edges_of_gears_t)
+{ compare_with_small_shift("gears_t.vtu"); }
