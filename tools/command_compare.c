@@ -2,15 +2,11 @@
  * cellist compare: how far an image is from a reference. */
 #include <cellist/compare.h>
 #include <cellist/image.h>
-#include <math.h>
 #include <stdio.h>
 
 #include "command.h"
 #include "options.h"
 #include "terminal.h"
-
-/* JSON has no infinity: the psnr of equal images is null. */
-static json_t *finite_or_null(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
 static int report(const cellist_image_error *error, const cellist_image *image, bool json) {
   const unsigned width = cellist_image_width(image), height = cellist_image_height(image);
@@ -18,7 +14,7 @@ static int report(const cellist_image_error *error, const cellist_image *image, 
     return terminal_print_json(json_pack(
         "{s:I, s:I, s:I, s:f, s:f, s:o, s:f, s:f}", "width", (json_int_t)width, "height", (json_int_t)height,
         "covered_pixels", (json_int_t)error->covered_pixels, "rmse", error->rmse, "max_abs", error->max_abs, "psnr",
-        finite_or_null(error->psnr), "ssim", error->ssim, "pixels_over_2_255", error->pixels_over_2_255));
+        terminal_number(error->psnr), "ssim", error->ssim, "pixels_over_2_255", error->pixels_over_2_255));
   printf("%ux%u pixels, %zu covered\n", width, height, error->covered_pixels);
   printf("rmse %.3e, max %.3e, psnr %.2f dB, ssim %.6f, %.3f %% of pixels off by more than 2/255\n", error->rmse,
          error->max_abs, error->psnr, error->ssim, error->pixels_over_2_255);

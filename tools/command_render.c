@@ -13,7 +13,7 @@
 
 struct render_options {
   text_list outputs;
-  const char *renderer, *backend, *precision;
+  const char *renderer, *backend, *precision, *tets;
   unsigned size[2], frames, turntable, threads;
   number_list background;
   bool json;
@@ -108,19 +108,28 @@ static int report_json(const struct render_options *options, const cellist_pipel
                        const cellist_pipeline_stats *stats, double sort, double draw, double total) {
   json_t *left_out = json_array();
   for (size_t i = 0; stats->left_out[i] != NULL; i++) json_array_append_new(left_out, json_string(stats->left_out[i]));
-  const cellist_mesh *mesh = cellist_pipeline_mesh(pipeline);
-  const cellist_scalar *scalar = cellist_pipeline_scalar(pipeline);
-  return terminal_print_json(
-      json_pack("{s:s, s:i, s:i, s:i, s:{s:f, s:f, s:f, s:f, s:f}, s:I, s:o, s:s, s:I, s:s, s:s, s:s, s:f, s:s, s:I, "
-                "s:I, s:s, s:f}",
-                "renderer", stats->renderer, "width", (int)options->size[0], "height", (int)options->size[1], "frames",
-                (int)options->frames, "seconds", "load", stats->load_seconds, "convexify", stats->convexify_seconds,
-                "sort", sort, "draw", draw, "total", total, "fragments", (json_int_t)stats->fragments, "left_out",
-                left_out, "opacity_convention", stats->convention, "tf_entries", (json_int_t)stats->transfer_knots,
-                "order", stats->order, "integration", stats->method, "precision", stats->precision, "error_bound",
-                stats->error_bound, "context", stats->backend, "cells_drawn", (json_int_t)stats->cells_drawn, "cells",
-                (json_int_t)cellist_mesh_get_arrays(mesh)->tet_count, "scalar", scalar->name, "unit_distance",
-                stats->unit_distance));
+  json_t *seconds = json_pack("{s:f, s:f, s:f, s:f, s:f}", "load", stats->load_seconds, "convexify",
+                              stats->convexify_seconds, "sort", sort, "draw", draw, "total", total);
+  json_t *object = json_object();
+  json_object_set_new(object, "renderer", json_string(stats->renderer));
+  json_object_set_new(object, "width", json_integer(options->size[0]));
+  json_object_set_new(object, "height", json_integer(options->size[1]));
+  json_object_set_new(object, "frames", json_integer(options->turntable > 0 ? options->turntable : options->frames));
+  json_object_set_new(object, "seconds", seconds);
+  json_object_set_new(object, "fragments", json_integer((json_int_t)stats->fragments));
+  json_object_set_new(object, "left_out", left_out);
+  json_object_set_new(object, "opacity_convention", json_string(stats->convention));
+  json_object_set_new(object, "tf_entries", json_integer((json_int_t)stats->transfer_knots));
+  json_object_set_new(object, "order", json_string(stats->order));
+  json_object_set_new(object, "integration", json_string(stats->method));
+  json_object_set_new(object, "precision", json_string(stats->precision));
+  json_object_set_new(object, "error_bound", terminal_number(stats->error_bound));
+  json_object_set_new(object, "context", json_string(stats->backend));
+  json_object_set_new(object, "cells",
+                      json_integer((json_int_t)cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->tet_count));
+  json_object_set_new(object, "scalar", json_string(cellist_pipeline_scalar(pipeline)->name));
+  json_object_set_new(object, "unit_distance", terminal_number(stats->unit_distance));
+  return terminal_print_json(object);
 }
 
 static int report_text(const struct render_options *options, const char *mesh_name, const cellist_pipeline *pipeline,
@@ -153,6 +162,7 @@ static cellist_pipeline_desc pipeline_desc(const struct render_options *options,
   if (strcmp(options->renderer, "cast") == 0) desc.renderer = CELLIST_RENDERER_CAST;
   if (strcmp(options->backend, "osmesa") == 0) desc.backend = CELLIST_BACKEND_OSMESA;
   if (strcmp(options->backend, "egl") == 0) desc.backend = CELLIST_BACKEND_EGL;
+  if (options->tets != NULL) desc.tets = (uint32_t)strtoul(options->tets, NULL, 10);
   desc.precision = strcmp(options->precision, "fast") == 0 ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE;
   return desc;
 }
@@ -176,6 +186,8 @@ int command_render(int argc, char **argv) {
        &options.renderer},
       {"precision", "fast|reference", "of cast: single precision, or double with a proved bound (fast)", OPTION_CHOICE,
        &options.precision},
+      {"tets", "32|20|16", "of cast, fast: bytes a cell of the compact mesh (the fastest layout)", OPTION_CHOICE,
+       &options.tets},
       {"context", "auto|osmesa|egl", "where OpenGL comes from (auto)", OPTION_CHOICE, &options.backend},
       {"background", "R,G,B", "what PNG pictures are laid over, linear 0..1 (nothing: transparent)", OPTION_NUMBERS,
        &options.background},
@@ -197,7 +209,8 @@ int command_render(int argc, char **argv) {
   if (parsed != PARSE_OK) return parse_exit(parsed);
   const char *wrong = check_options(&options);
   cellist_pipeline_desc desc = pipeline_desc(&options, argv[1]);
-  if (wrong == NULL) wrong = optics_options_resolve(&look, &desc.optics);
+  cellist_isosurface isos[LIST_CAPACITY];
+  if (wrong == NULL) wrong = optics_options_resolve(&look, isos, &desc.optics);
   if (wrong == NULL) wrong = mesh_options_resolve(&input, &desc.read);
   cellist_view view;
   const double unit_bounds[6] = {0, 0, 0, 1, 1, 1};

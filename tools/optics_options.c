@@ -3,11 +3,13 @@
 #include "optics_options.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 void optics_options_init(optics_options *options, option_spec table[OPTICS_OPTION_COUNT]) {
-  *options = (optics_options){.transfer = "ramp", .unit = "auto", .convention = "unstructured", .opacity_scale = 1};
+  *options = (optics_options){
+      .transfer = "ramp", .unit = "auto", .convention = "unstructured", .light = "off", .opacity_scale = 1};
   options->range.expected = 2;
   const option_spec filled[OPTICS_OPTION_COUNT] = {
       {"scalar", "NAME|NAME:mag|NAME:INDEX", "what to show (the first point array, else the first cell array)",
@@ -22,6 +24,13 @@ void optics_options_init(optics_options *options, option_spec table[OPTICS_OPTIO
        &options->convention},
       {"tf-colours", "linear|srgb", "what the file's colours are (linear; built-in maps know their own)", OPTION_CHOICE,
        &options->colours},
+      {"model", "emission-absorption|absorption|emission|mip|iso",
+       "what a ray gathers (emission-absorption; iso with "
+       "--iso)",
+       OPTION_CHOICE, &options->model},
+      {"iso", "V[,V...]", "isosurfaces at these scalars, opaque", OPTION_NUMBERS, &options->isos},
+      {"light", "X,Y,Z|headlight|off", "direction towards the light, or from the camera (off)", OPTION_TEXT,
+       &options->light},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
   memcpy(table, filled, sizeof filled);
@@ -33,7 +42,41 @@ static bool parse_positive(const char *text, double *value) {
   return end != text && *end == '\0' && isfinite(*value) && *value > 0;
 }
 
-const char *optics_options_resolve(const optics_options *options, cellist_pipeline_optics *optics) {
+/* Shares of the colour and a highlight that show shape without hiding the transfer function's colours. */
+static const cellist_light USUAL_LIGHT = {
+    .enabled = true, .ambient = 0.35, .diffuse = 0.65, .specular = 0.2, .shininess = 20};
+
+static const char *resolve_model(const optics_options *options, cellist_isosurface *isos, cellist_optics *model) {
+  static const struct {
+    const char *name;
+    cellist_model model;
+  } names[] = {{"emission-absorption", CELLIST_MODEL_EMISSION_ABSORPTION},
+               {"absorption", CELLIST_MODEL_ABSORPTION},
+               {"emission", CELLIST_MODEL_EMISSION},
+               {"mip", CELLIST_MODEL_MAXIMUM},
+               {"iso", CELLIST_MODEL_ISOSURFACES}};
+  const char *name = options->model != NULL ? options->model : options->isos.count > 0 ? "iso" : names[0].name;
+  for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+    if (strcmp(name, names[i].name) == 0) model->model = names[i].model;
+  if ((model->model == CELLIST_MODEL_ISOSURFACES) != (options->isos.count > 0))
+    return "--model iso and --iso V need each other";
+  for (size_t i = 0; i < options->isos.count; i++) isos[i] = (cellist_isosurface){options->isos.value[i], 1};
+  model->isos = isos;
+  model->iso_count = options->isos.count;
+
+  if (strcmp(options->light, "off") == 0) return NULL;
+  model->light = USUAL_LIGHT;
+  if (strcmp(options->light, "headlight") == 0) return NULL;
+  double *d = model->light.direction;
+  int end = 0;
+  if (sscanf(options->light, "%lf,%lf,%lf%n", &d[0], &d[1], &d[2], &end) != 3 || options->light[end] != '\0' ||
+      !isfinite(d[0] + d[1] + d[2]) || (d[0] == 0 && d[1] == 0 && d[2] == 0))
+    return "--light needs a direction X,Y,Z, headlight or off";
+  return NULL;
+}
+
+const char *optics_options_resolve(const optics_options *options, cellist_isosurface *isos,
+                                   cellist_pipeline_optics *optics) {
   *optics = (cellist_pipeline_optics){.scalar = options->scalar, .transfer = options->transfer};
   static const char diagonal[] = "diagonal/";
   if (strncmp(options->unit, diagonal, sizeof diagonal - 1) == 0) {
@@ -46,6 +89,8 @@ const char *optics_options_resolve(const optics_options *options, cellist_pipeli
   optics->opacity_scale = options->opacity_scale;
   optics->convention = strcmp(options->convention, "image") == 0 ? CELLIST_OPACITY_IMAGE : CELLIST_OPACITY_UNSTRUCTURED;
   optics->srgb_colours = options->colours != NULL && strcmp(options->colours, "srgb") == 0;
+  const char *wrong = resolve_model(options, isos, &optics->model);
+  if (wrong != NULL) return wrong;
   if (options->range.count == 2) {
     if (options->range.value[0] > options->range.value[1]) return "--range needs LO,HI with LO at most HI";
     optics->has_range = true;

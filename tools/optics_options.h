@@ -9,16 +9,19 @@
 
 typedef struct optics_options {
   const char *scalar, *transfer, *unit, *convention, *colours;
-  number_list range;
+  const char *model, *light;
+  number_list range, isos;
   double opacity_scale;
 } optics_options;
 
-enum { OPTICS_OPTION_COUNT = 8 };
+enum { OPTICS_OPTION_COUNT = 11 };
 
 /* Sets the defaults and fills the table, which refers to options. */
 void optics_options_init(optics_options *options, option_spec table[OPTICS_OPTION_COUNT]);
 
-/* Fills the optics part of the description. Returns NULL, or what is wrong with the options. */
-const char *optics_options_resolve(const optics_options *options, cellist_pipeline_optics *optics);
+/* Fills the optics part of the description; isos has room for LIST_CAPACITY surfaces, which optics then refers to.
+ * Returns NULL, or what is wrong with the options. */
+const char *optics_options_resolve(const optics_options *options, cellist_isosurface *isos,
+                                   cellist_pipeline_optics *optics);
 
 #endif

@@ -24,6 +24,7 @@ struct cellist_pipeline {
   cellist_transfer transfer;
   cellist_pipeline_desc desc; /* its texts are not kept */
   cellist_renderer renderer;  /* never AUTO */
+  cellist_isosurface *isos;   /* the pipeline's copy, which desc refers to */
   double unit_distance;
   double load_seconds;
   cellist_raycaster *caster;
@@ -63,15 +64,18 @@ cellist_result cellist_pipeline_load(cellist_context *context, const char *sourc
   return cellist_generate(context, name, &generate, mesh);
 }
 
+static double diagonal_of(const cellist_pipeline *pipeline) {
+  const double *b = cellist_mesh_get_arrays(pipeline->mesh)->bounds;
+  return hypot(hypot(b[3] - b[0], b[4] - b[1]), b[5] - b[2]);
+}
+
 static cellist_result load_transfer(cellist_pipeline *pipeline) {
   const cellist_pipeline_optics *optics = &pipeline->desc.optics;
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(pipeline->mesh);
-  const double *b = arrays->bounds;
-  const double diagonal = hypot(hypot(b[3] - b[0], b[4] - b[1]), b[5] - b[2]);
   if (optics->unit_distance > 0)
     pipeline->unit_distance = optics->unit_distance;
   else if (optics->unit_diagonal_fraction > 0)
-    pipeline->unit_distance = diagonal / optics->unit_diagonal_fraction;
+    pipeline->unit_distance = diagonal_of(pipeline) / optics->unit_diagonal_fraction;
   else
     pipeline->unit_distance =
         cellist_unit_distance_auto(arrays->bounds, cellist_mesh_get_facts(pipeline->mesh)->file_cell_count);
@@ -127,7 +131,24 @@ static cellist_result make_renderer(cellist_pipeline *pipeline) {
   /* The ray caster needs no order and no OpenGL, which in software is slower. */
   if (pipeline->renderer == CELLIST_RENDERER_AUTO) pipeline->renderer = CELLIST_RENDERER_CAST;
   if (pipeline->renderer == CELLIST_RENDERER_FACES) return make_faces(pipeline);
-  return cellist_raycaster_create(pipeline->context, pipeline->mesh, &pipeline->scalar, NULL, &pipeline->caster);
+  const cellist_raycaster_desc desc = {.tets = pipeline->desc.tets};
+  return cellist_raycaster_create(pipeline->context, pipeline->mesh, &pipeline->scalar, &desc, &pipeline->caster);
+}
+
+/* Copies the isosurfaces and fills in the light's gradient unit. */
+static cellist_result keep_model(cellist_pipeline *pipeline) {
+  cellist_optics *model = &pipeline->desc.optics.model;
+  if (model->iso_count > 0) {
+    pipeline->isos = cellist_allocate(pipeline->context, model->iso_count, sizeof *pipeline->isos);
+    if (pipeline->isos == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    memcpy(pipeline->isos, model->isos, model->iso_count * sizeof *pipeline->isos);
+    model->isos = pipeline->isos;
+  }
+  if (model->light.enabled && model->light.gradient_unit == 0) {
+    const double length = 0.1 * diagonal_of(pipeline), range = pipeline->scalar.maximum - pipeline->scalar.minimum;
+    model->light.gradient_unit = length > 0 && range > 0 ? range / length : 1;
+  }
+  return CELLIST_SUCCESS;
 }
 
 cellist_result cellist_pipeline_create(cellist_context *context, const cellist_pipeline_desc *desc,
@@ -145,6 +166,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
     result = cellist_scalar_select(context, created->mesh, desc->optics.scalar, &created->scalar);
   created->load_seconds = seconds_now() - begin;
   if (result == CELLIST_SUCCESS) result = load_transfer(created);
+  if (result == CELLIST_SUCCESS) result = keep_model(created);
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
   if (result == CELLIST_SUCCESS)
     *pipeline = created;
@@ -160,6 +182,7 @@ void cellist_pipeline_destroy(cellist_pipeline *pipeline) {
   cellist_gl_destroy(pipeline->gl);
 #endif
   cellist_deallocate(context, pipeline->order);
+  cellist_deallocate(context, pipeline->isos);
   cellist_sorter_destroy(pipeline->sorter);
   cellist_raycaster_destroy(pipeline->caster);
   cellist_transfer_release(context, &pipeline->transfer);
@@ -173,7 +196,7 @@ const cellist_scalar *cellist_pipeline_scalar(const cellist_pipeline *pipeline) 
 
 static cellist_result draw_cast(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
                                 cellist_pipeline_stats *stats) {
-  cellist_raycast_desc desc = {.precision = pipeline->desc.precision};
+  cellist_raycast_desc desc = {.precision = pipeline->desc.precision, .optics = pipeline->desc.optics.model};
   const cellist_raycast_output output = {.image = image};
   cellist_raycast_stats cast;
   const double begin = seconds_now();
@@ -214,7 +237,7 @@ static cellist_result draw_faces(cellist_pipeline *pipeline, const cellist_frame
   stats->sort_seconds = seconds_now() - begin;
   stats->order = sorted.exact ? "exact" : "approximate";
 
-  const cellist_gl_settings settings = {0};
+  const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model};
   cellist_gl_stats drawn;
   begin = seconds_now();
   result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order,
@@ -266,14 +289,14 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
   cellist_result result = cellist_frame_from_view(context, view != NULL ? view : &usual, width, height, &frame);
   if (result != CELLIST_SUCCESS) return result;
 
-  static const char *const channels[] = {"R", "G", "B", "A", "Z"};
+  static const char *const channels[] = {"R", "G", "B", "A", "Z", "ZBack", "transmittance.Y", "cells.Y", "segments.Y"};
   cellist_image *created = NULL;
   cellist_pipeline_stats made = {.load_seconds = pipeline->load_seconds,
                                  .transfer_knots = pipeline->transfer.knot_count,
-                                 .unit_distance = pipeline->unit_distance,
-                                 .cells_drawn = arrays->tet_count};
+                                 .unit_distance = pipeline->unit_distance};
   made.convention = pipeline->desc.optics.convention == CELLIST_OPACITY_IMAGE ? "image" : "unstructured";
-  result = cellist_image_create(context, width, height, channels, 5, &created);
+  result = cellist_image_create(context, width, height, channels, pipeline->renderer == CELLIST_RENDERER_CAST ? 9 : 6,
+                                &created);
 #ifdef CELLIST_HAS_GL
   if (result == CELLIST_SUCCESS && pipeline->renderer == CELLIST_RENDERER_FACES)
     result = draw_faces(pipeline, &frame, created, &made);

@@ -3,6 +3,7 @@
 #include "terminal.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -72,6 +73,8 @@ int terminal_finish(void) {
   fprintf(stderr, "cellist: standard output: %s\n", strerror(errno));
   return 1;
 }
+
+json_t *terminal_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
 int terminal_print_json(json_t *object) {
   terminal_clear_progress();

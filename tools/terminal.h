@@ -20,6 +20,9 @@ void terminal_clear_progress(void);
 /* Prints the object on standard output, one line, and frees it; exit status 0, or 1 if that fails. */
 int terminal_print_json(json_t *object);
 
+/* JSON has no infinity and no NaN: they become null. */
+json_t *terminal_number(double value);
+
 /* Ends standard output; exit status 1 and a message if anything written there was lost. */
 int terminal_finish(void);
 

@@ -118,6 +118,19 @@ case_contexts_and_renderers_agree() {
   done
 }
 
+case_models_and_light() {
+  for model in "--model absorption" "--model emission" "--model mip" "--iso 0.3,0.6" "--light headlight" \
+    "--iso 0.5 --light 1,2,3" "--tets 16"; do
+    # shellcheck disable=SC2086
+    expect 0 render sample:gears -o a.exr --renderer cast --size 48x48 $model --json
+    json "j['fragments'] > 0"
+  done
+  expect 2 render sample:gears -o a.exr --model iso
+  says "need each other"
+  expect 2 render sample:gears -o a.exr --light 1,2
+  expect 2 render sample:gears -o a.exr --light 0,0,0
+}
+
 case_turntable_writes_numbered_pictures() {
   expect 0 render sample:gears -o 'turn%04d.png' --turntable 3 --size 32x32 --renderer cast
   [ "$(ls turn*.png | tr '\n' ' ')" = "turn0000.png turn0001.png turn0002.png " ] || fail "not three pictures"

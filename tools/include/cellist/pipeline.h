@@ -31,6 +31,9 @@ typedef struct cellist_pipeline_optics {
   double opacity_scale;          /* multiplies extinction; 0 means 1 */
   cellist_opacity_convention convention;
   bool srgb_colours; /* as cellist_transfer_desc */
+  /* What a ray gathers. light.gradient_unit may be 0: the scalar's range per tenth of the bounds' diagonal. Isosurfaces
+   * are copied. */
+  cellist_optics model;
 } cellist_pipeline_optics;
 
 typedef enum cellist_renderer {
@@ -47,6 +50,7 @@ typedef struct cellist_pipeline_desc {
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
   cellist_backend backend;     /* for faces */
+  uint32_t tets;               /* for cast: bytes a cell of the compact layouts, as cellist_raycaster_desc */
   cellist_precision precision; /* for cast; fast falls back to reference for models that it does not draw */
 } cellist_pipeline_desc;
 
@@ -57,11 +61,10 @@ typedef struct cellist_pipeline_stats {
   double sort_seconds, draw_seconds;       /* of the last picture */
   const char *renderer, *method, *backend; /* what was used; backend is "none" without OpenGL */
   const char *precision;                   /* "fast" (single precision) or "reference" */
-  double error_bound;                      /* proved, of reference; else 0 */
+  double error_bound;                      /* proved, of reference; infinity where none is known */
   const char *order;                       /* "exact", "approximate", or "none" if no order was needed */
-  size_t cells_drawn;
-  uint64_t fragments;     /* segments that contributed, as the renderer counts them */
-  const char *convention; /* of opacity: "unstructured" or "image" */
+  uint64_t fragments;                      /* segments that contributed, as the renderer counts them */
+  const char *convention;                  /* of opacity: "unstructured" or "image" */
   size_t transfer_knots;
   double unit_distance;
   const char *left_out[8]; /* what this scene did not need, ended by NULL */
