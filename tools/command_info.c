@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * cellist info: what a mesh file holds. */
+ * cellist info: what a mesh file holds, and whether it is sound. */
 #include <cellist/pipeline.h>
+#include <cellist/validate.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -42,9 +43,11 @@ static size_t value_count(const cellist_mesh_arrays *arrays, const cellist_field
   return field->association == CELLIST_ON_POINTS ? arrays->point_count : arrays->tet_count;
 }
 
-static int report_json(const cellist_mesh *mesh) {
-  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
-  const cellist_mesh_facts *facts = cellist_mesh_get_facts(mesh);
+static void set_count(json_t *object, const char *name, size_t count) {
+  json_object_set_new(object, name, json_integer((json_int_t)count));
+}
+
+static json_t *scalars_of(const cellist_mesh_arrays *arrays) {
   json_t *scalars = json_array();
   for (size_t i = 0; i < arrays->field_count; i++) {
     const cellist_field *field = &arrays->fields[i];
@@ -54,47 +57,102 @@ static int report_json(const cellist_mesh *mesh) {
                            (int)field->component_count, "min", range.minimum, "max", range.maximum, "not_finite",
                            (json_int_t)range.bad_count));
   }
+  return scalars;
+}
+
+/* Every finding that was made: its count, how bad it is, and the first ids. */
+static json_t *findings_of(const cellist_report *report) {
+  static const char *const severities[] = {"note", "warning", "flaw"};
+  json_t *findings = json_object();
+  for (cellist_finding_kind kind = 0; kind < CELLIST_FINDING_COUNT; kind++) {
+    const cellist_finding *finding = &report->findings[kind];
+    if (finding->count == 0) continue;
+    json_t *ids = json_array();
+    for (size_t i = 0; i < finding->id_count; i++) json_array_append_new(ids, json_integer(finding->ids[i]));
+    json_t *entry = json_object();
+    set_count(entry, "count", finding->count);
+    json_object_set_new(entry, "severity", json_string(severities[cellist_finding_severity(kind)]));
+    json_object_set_new(entry, "ids", ids);
+    json_object_set_new(findings, cellist_finding_name(kind), entry);
+  }
+  return findings;
+}
+
+static int report_json(const cellist_mesh *mesh, const cellist_report *report) {
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
+  const cellist_mesh_facts *facts = cellist_mesh_get_facts(mesh);
   const double *b = arrays->bounds;
-  return terminal_print_json(json_pack(
-      "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:[f,f,f,f,f,f], s:o}", "points",
-      (json_int_t)arrays->point_count, "cells", (json_int_t)facts->file_cell_count, "tets",
-      (json_int_t)arrays->tet_count, "boundary_faces", (json_int_t)facts->boundary_face_count, "inverted_cells",
-      (json_int_t)facts->inverted_count, "degenerate_cells", (json_int_t)facts->flat_count, "folded_faces",
-      (json_int_t)facts->folded_face_count, "overfull_faces", (json_int_t)facts->overfull_face_count, "skipped_cells",
-      (json_int_t)facts->skipped_cell_count, "hidden_cells", (json_int_t)facts->hidden_cell_count, "unused_points",
-      (json_int_t)facts->unused_point_count, "bounds", b[0], b[1], b[2], b[3], b[4], b[5], "scalars", scalars));
+  json_t *object = json_object();
+  set_count(object, "points", arrays->point_count);
+  set_count(object, "cells", facts->file_cell_count);
+  set_count(object, "tets", arrays->tet_count);
+  set_count(object, "boundary_faces", report->boundary_face_count);
+  set_count(object, "components", report->component_count);
+  set_count(object, "cavities", report->cavity_count);
+  json_object_set_new(object, "convex", json_boolean(report->is_convex));
+  set_count(object, "reflex_edges", report->reflex_edge_count);
+  set_count(object, "inverted_cells", report->inverted_cell_count);
+  set_count(object, "degenerate_cells", report->degenerate_cell_count);
+  set_count(object, "folded_faces", report->folded_face_count);
+  set_count(object, "overfull_faces", report->overfull_face_count);
+  set_count(object, "nonmanifold_edges", report->nonmanifold_edge_count);
+  set_count(object, "nonmanifold_vertices", report->nonmanifold_vertex_count);
+  set_count(object, "crossing_faces", report->crossing_face_count);
+  set_count(object, "touching_faces", report->touching_face_count);
+  set_count(object, "skipped_cells", facts->skipped_cell_count);
+  set_count(object, "hidden_cells", facts->hidden_cell_count);
+  set_count(object, "merged_points", facts->merged_point_count);
+  set_count(object, "flaws", report->flaw_count);
+  set_count(object, "warnings", report->warning_count);
+  json_object_set_new(object, "bounds", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
+  json_object_set_new(object, "scalars", scalars_of(arrays));
+  json_object_set_new(object, "findings", findings_of(report));
+  return terminal_print_json(object);
 }
 
-static void print_count(const char *what, size_t count) { printf("%-18s %zu\n", what, count); }
+static void print_count(const char *what, size_t count) { printf("%-22s %zu\n", what, count); }
 
-static void print_flaw(const char *what, size_t count, const char *consequence) {
-  if (count > 0) printf("%-18s %zu: %s\n", what, count, consequence);
+static void print_finding(const cellist_report *report, cellist_finding_kind kind) {
+  static const char *const severities[] = {"note", "warning", "flaw"};
+  const cellist_finding *finding = &report->findings[kind];
+  if (finding->count == 0) return;
+  printf("%-8s %-13s %zu: %s", severities[cellist_finding_severity(kind)], cellist_finding_name(kind), finding->count,
+         cellist_finding_description(kind));
+  for (size_t i = 0; i < finding->id_count; i++) printf("%s%u", i == 0 ? " (ids " : " ", finding->ids[i]);
+  if (finding->id_count > 0) printf("%s)", finding->count > finding->id_count ? " ..." : "");
+  printf("\n");
 }
 
-static int report_text(const cellist_mesh *mesh) {
+static int report_text(const cellist_mesh *mesh, const cellist_report *report) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
   const cellist_mesh_facts *facts = cellist_mesh_get_facts(mesh);
   print_count("points", arrays->point_count);
   print_count("cells in the file", facts->file_cell_count);
   print_count("tets", arrays->tet_count);
-  print_count("boundary faces", facts->boundary_face_count);
+  if (facts->skipped_cell_count > 0) print_count("skipped, below 3-D", facts->skipped_cell_count);
+  if (facts->hidden_cell_count > 0) print_count("hidden or ghost cells", facts->hidden_cell_count);
+  if (facts->merged_point_count > 0) print_count("merged points", facts->merged_point_count);
+  print_count("components", report->component_count);
+  print_count("cavities", report->cavity_count);
+  print_count("boundary faces", report->boundary_face_count);
+  print_count("reflex edges", report->reflex_edge_count);
+  print_count("non-manifold edges", report->nonmanifold_edge_count);
+  print_count("non-manifold vertices", report->nonmanifold_vertex_count);
+  printf("%-22s %s\n", "convex", report->is_convex ? "yes" : "no");
   const double *b = arrays->bounds;
-  printf("%-18s %g %g %g to %g %g %g\n", "bounds", b[0], b[1], b[2], b[3], b[4], b[5]);
-  print_flaw("skipped cells", facts->skipped_cell_count, "of lower dimension");
-  print_flaw("hidden cells", facts->hidden_cell_count, "ghosts or blanked, left out");
-  print_flaw("inverted tets", facts->inverted_count, "re-oriented");
-  print_flaw("flat tets", facts->flat_count, "of zero volume, ordered but not drawn");
-  print_flaw("folded faces", facts->folded_face_count, "both cells on one side; no order is right there");
-  print_flaw("overfull faces", facts->overfull_face_count, "more than two cells; no order is right there");
-  print_flaw("unused points", facts->unused_point_count, "no cell uses them");
+  printf("%-22s %g %g %g to %g %g %g\n", "bounds", b[0], b[1], b[2], b[3], b[4], b[5]);
   for (size_t i = 0; i < arrays->field_count; i++) {
     const cellist_field *field = &arrays->fields[i];
     const struct range range = range_of(field, value_count(arrays, field));
-    printf("%-18s %s, on %s, %u component%s, %g to %g", i == 0 ? "scalars" : "", field->name, place_of(field),
+    printf("%-22s %s, on %s, %u component%s, %g to %g", i == 0 ? "scalars" : "", field->name, place_of(field),
            field->component_count, field->component_count == 1 ? "" : "s", range.minimum, range.maximum);
     if (range.bad_count > 0) printf(", %zu not finite", range.bad_count);
     printf("\n");
   }
+  for (cellist_finding_kind kind = 0; kind < CELLIST_FINDING_COUNT; kind++) print_finding(report, kind);
+  printf("%s\n", report->flaw_count > 0      ? "The mesh has flaws."
+                 : report->warning_count > 0 ? "The mesh is sound, with warnings."
+                                             : "The mesh is sound.");
   return terminal_finish();
 }
 
@@ -108,8 +166,13 @@ int command_info(int argc, char **argv) {
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
   static const char *const examples[] = {"cellist info mesh.vtu", "cellist info sample:gears --json", NULL};
-  const command_usage usage = {
-      "info", "MESH", "Says what a mesh (a file, or sample:NAME) holds.", 1, 1, examples, {table, mesh_table}};
+  const command_usage usage = {"info",
+                               "MESH",
+                               "Says what a mesh (a file, or sample:NAME) holds, and whether it is sound.",
+                               1,
+                               1,
+                               examples,
+                               {table, mesh_table}};
   size_t positional = 0;
   const parse_result parsed = options_parse(&usage, argc, argv, &positional);
   if (parsed != PARSE_OK) return parse_exit(parsed);
@@ -120,12 +183,14 @@ int command_info(int argc, char **argv) {
   cellist_context *context = terminal_context(0);
   if (context == NULL) return 1;
   cellist_mesh *mesh = NULL;
-  const cellist_result result = cellist_pipeline_load(context, argv[1], &desc, &mesh);
+  cellist_report report;
+  cellist_result result = cellist_pipeline_load(context, argv[1], &desc, &mesh);
+  if (result == CELLIST_SUCCESS) result = cellist_validate(context, mesh, NULL, &report);
   int status = 0;
   if (result != CELLIST_SUCCESS)
     status = terminal_failure(context, result);
   else
-    status = json ? report_json(mesh) : report_text(mesh);
+    status = json ? report_json(mesh, &report) : report_text(mesh, &report);
   cellist_mesh_destroy(mesh);
   cellist_context_destroy(context);
   return status;

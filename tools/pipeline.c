@@ -6,6 +6,7 @@
 #include <cellist/generate.h>
 #include <cellist/raycast.h>
 #include <cellist/sort.h>
+#include <cellist/validate.h>
 #include <cellist/version.h>
 #include <math.h>
 #include <stdio.h>
@@ -41,27 +42,59 @@ static double seconds_now(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+static cellist_result generate(cellist_context *context, const char *source, const char *begin, cellist_mesh **mesh) {
+  char name[64];
+  const char *colon = strchr(begin, ':');
+  const size_t length = colon != NULL ? (size_t)(colon - begin) : strlen(begin);
+  cellist_generate_desc desc = {0};
+  if (colon != NULL) {
+    char *end = NULL;
+    const double size = strtod(colon + 1, &end);
+    if (end == colon + 1 || *end != '\0' || !(size >= 1 && size <= 1e9))
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "%s: the size must lie between 1 and 1e9", source);
+    desc.size = (size_t)size;
+  }
+  snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), begin);
+  return cellist_generate(context, name, &desc, mesh);
+}
+
 cellist_result cellist_pipeline_load(cellist_context *context, const char *source, const cellist_mesh_read_desc *desc,
                                      cellist_mesh **mesh) {
   static const char prefix[] = "sample:";
   if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
   if (source == NULL || mesh == NULL)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_pipeline_load: source or mesh is NULL");
-  if (strncmp(source, prefix, sizeof prefix - 1) != 0) return cellist_mesh_read(context, source, desc, mesh);
-
-  char name[64];
-  const char *begin = source + sizeof prefix - 1, *colon = strchr(begin, ':');
-  const size_t length = colon != NULL ? (size_t)(colon - begin) : strlen(begin);
-  cellist_generate_desc generate = {0};
-  if (colon != NULL) {
-    char *end = NULL;
-    const double size = strtod(colon + 1, &end);
-    if (end == colon + 1 || *end != '\0' || !(size >= 1 && size <= 1e9))
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "%s: the size must lie between 1 and 1e9", source);
-    generate.size = (size_t)size;
+  cellist_mesh *loaded = NULL;
+  cellist_result result = strncmp(source, prefix, sizeof prefix - 1) == 0
+                              ? generate(context, source, source + sizeof prefix - 1, &loaded)
+                              : cellist_mesh_read(context, source, desc, &loaded);
+  if (result == CELLIST_SUCCESS && desc != NULL && desc->strict) {
+    const cellist_validate_desc validate = {.strict = true};
+    cellist_report report;
+    result = cellist_validate(context, loaded, &validate, &report);
   }
-  snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), begin);
-  return cellist_generate(context, name, &generate, mesh);
+  if (result == CELLIST_SUCCESS)
+    *mesh = loaded;
+  else
+    cellist_mesh_destroy(loaded);
+  return result;
+}
+
+/* What was repaired, and what no repair can make right, so that no picture hides it. */
+static void warn_of_flaws(cellist_pipeline *pipeline, const char *source) {
+  const cellist_mesh_facts *facts = cellist_mesh_get_facts(pipeline->mesh);
+  const struct {
+    size_t count;
+    const char *what;
+  } flaws[] = {{facts->infinite_cell_count, "cells with a NaN or infinite corner were left out"},
+               {facts->collapsed_cell_count, "cells that use a point twice were left out"},
+               {facts->inverted_cell_count, "inverted cells were re-oriented"},
+               {facts->folded_face_count, "faces have both cells on one side: no picture is right there"},
+               {facts->overfull_face_count, "faces have more than two cells: no picture is right there"},
+               {pipeline->scalar.nan_cell_count, "cells have no finite scalar and are not drawn"}};
+  for (size_t i = 0; i < sizeof flaws / sizeof flaws[0]; i++)
+    if (flaws[i].count > 0)
+      cellist_log(pipeline->context, CELLIST_LOG_WARNING, "%s: %zu %s", source, flaws[i].count, flaws[i].what);
 }
 
 static double diagonal_of(const cellist_pipeline *pipeline) {
@@ -165,6 +198,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (result == CELLIST_SUCCESS)
     result = cellist_scalar_select(context, created->mesh, desc->optics.scalar, &created->scalar);
   created->load_seconds = seconds_now() - begin;
+  if (result == CELLIST_SUCCESS) warn_of_flaws(created, desc->source);
   if (result == CELLIST_SUCCESS) result = load_transfer(created);
   if (result == CELLIST_SUCCESS) result = keep_model(created);
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
