@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# cellist::gl, with every OpenGL backend that this machine has the headers of. Leave gl out of CELLIST_MODULES on a
+# machine that has none.
+include(CellistEmbed)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(OSMESA osmesa)
+pkg_check_modules(EGL egl)
+pkg_check_modules(GLFW glfw3)
+if(NOT OSMESA_FOUND AND NOT EGL_FOUND)
+  message(FATAL_ERROR "gl: neither OSMesa nor EGL was found; install libosmesa6-dev or libegl-dev, or leave gl out of CELLIST_MODULES")
+endif()
+
+set(gl_sources api cells context footprint gl intervals program target)
+set(gl_libraries "")
+set(gl_packages "")
+foreach(backend IN ITEMS OSMESA EGL GLFW)
+  if(${backend}_FOUND)
+    string(TOLOWER ${backend} name)
+    list(APPEND gl_sources context_${name})
+    list(APPEND gl_libraries ${${backend}_LINK_LIBRARIES})
+    list(APPEND gl_packages ${${backend}_MODULE_NAME})
+  endif()
+endforeach()
+list(TRANSFORM gl_sources REPLACE "(.+)" "gl/\\1.c")
+set(gl_shaders faces.vert faces.frag exact.glsl)
+list(TRANSFORM gl_shaders PREPEND gl/shaders/)
+cellist_embed(${CMAKE_CURRENT_BINARY_DIR}/gl_shaders.c ${gl_shaders})
+
+cellist_add_library(gl
+  SOURCES ${gl_sources} ${CMAKE_CURRENT_BINARY_DIR}/gl_shaders.c
+  HEADERS cellist/gl.h
+  DEPENDS data
+  PRIVATE ${gl_libraries} m
+  REQUIRES ${gl_packages}
+  LIBS -lm)
+foreach(backend IN ITEMS OSMESA EGL GLFW)
+  target_compile_definitions(cellist_gl PRIVATE CELLIST_HAVE_${backend}=$<BOOL:${${backend}_FOUND}>)
+endforeach()

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Intervals of the transfer function. Outside the knots it is constant: the first and the last interval have equal
+ * ends and a slope of 0, so the shaders need no special case. */
+#include "intervals.h"
+
+#include <math.h>
+
+/* Knots further out than this many scalar ranges are as good as infinitely far, and their squares still fit a float. */
+static const double FAR_VALUE = 1e18;
+
+gl_scale gl_scale_of(const cellist_scalar *scalar) {
+  const double half_range = 0.5 * scalar->maximum - 0.5 * scalar->minimum;
+  return (gl_scale){.offset = 0.5 * scalar->minimum + 0.5 * scalar->maximum,
+                    .factor = half_range > 0 ? 1 / half_range : 1};
+}
+
+void gl_intervals_release(cellist_context *context, gl_intervals *intervals) {
+  cellist_deallocate(context, intervals->knots);
+  cellist_deallocate(context, intervals->texels);
+  cellist_deallocate(context, intervals->visible);
+  *intervals = (gl_intervals){0};
+}
+
+static cellist_result check(cellist_context *context, const cellist_transfer *transfer) {
+  if (transfer == NULL || transfer->knot_count == 0 || transfer->knots == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the transfer function has no knots");
+  for (size_t i = 0; i < transfer->knot_count; i++) {
+    const cellist_transfer_knot *knot = &transfer->knots[i];
+    if (!isfinite(knot->value) || !isfinite(knot->extinction) || !isfinite(knot->colour[0]) ||
+        !isfinite(knot->colour[1]) || !isfinite(knot->colour[2]) || knot->extinction < 0)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "knot %zu of the transfer function is not finite, or its extinction is negative", i);
+    if (i > 0 && knot->value < transfer->knots[i - 1].value)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "knot %zu of the transfer function comes before the one in front of it", i);
+  }
+  return CELLIST_SUCCESS;
+}
+
+static void write_end(const cellist_transfer_knot *knot, float texel[4]) {
+  for (int c = 0; c < 3; c++) texel[c] = (float)knot->colour[c];
+  texel[3] = (float)knot->extinction;
+}
+
+cellist_result gl_intervals_make(cellist_context *context, const cellist_transfer *transfer, gl_scale scale,
+                                 gl_intervals *intervals) {
+  cellist_result result = check(context, transfer);
+  if (result != CELLIST_SUCCESS) return result;
+  const size_t count = transfer->knot_count;
+  gl_intervals made = {.knot_count = count};
+  made.knots = cellist_allocate(context, count, sizeof *made.knots);
+  made.texels = cellist_allocate(context, count + 1, GL_INTERVAL_FLOATS * sizeof *made.texels);
+  made.visible = cellist_allocate(context, count + 1, sizeof *made.visible);
+  if (made.knots == NULL || made.texels == NULL || made.visible == NULL) {
+    gl_intervals_release(context, &made);
+    return CELLIST_ERROR_OUT_OF_MEMORY;
+  }
+  made.visible[0] = 0;
+  for (size_t i = 0; i < count; i++) {
+    const double value = (transfer->knots[i].value - scale.offset) * scale.factor;
+    made.knots[i] = (float)fmax(fmin(value, FAR_VALUE), -FAR_VALUE);
+    made.visible[i + 1] = made.visible[i] + (transfer->knots[i].extinction > 0);
+  }
+  for (size_t i = 0; i <= count; i++) {
+    float *texel = &made.texels[GL_INTERVAL_FLOATS * i];
+    const size_t below = i > 0 ? i - 1 : 0, above = i < count ? i : count - 1;
+    texel[0] = i > 0 ? made.knots[below] : -(float)FAR_VALUE;
+    texel[1] = i < count ? made.knots[above] : (float)FAR_VALUE;
+    texel[2] = below < above && texel[1] > texel[0] ? 1 / (texel[1] - texel[0]) : 0;
+    texel[3] = 0;
+    write_end(&transfer->knots[below], &texel[4]);
+    write_end(&transfer->knots[above], &texel[8]);
+  }
+  *intervals = made;
+  return CELLIST_SUCCESS;
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Target: renderbuffers for colour and, if the image wants it, depth. Depth is blended by its maximum (of -front and
+ * of back), so it does not depend on the order. */
+#include "target.h"
+
+#include <math.h>
+
+static const GLfloat EMPTY[4] = {0, 0, 0, 0};
+static const GLfloat NO_DEPTH[4] = {-INFINITY, 0, 0, 0};
+
+void gl_target_release(const gl_api *api, gl_target *target) {
+  if (target->framebuffer != 0) api->DeleteFramebuffers(1, &target->framebuffer);
+  if (target->colour != 0) api->DeleteRenderbuffers(1, &target->colour);
+  if (target->depth != 0) api->DeleteRenderbuffers(1, &target->depth);
+  *target = (gl_target){0};
+}
+
+static GLenum internal_format(cellist_framebuffer format) {
+  switch (format) {
+    case CELLIST_FRAMEBUFFER_32F: return GL_RGBA32F;
+    case CELLIST_FRAMEBUFFER_16F: return GL_RGBA16F;
+    case CELLIST_FRAMEBUFFER_8: return GL_RGBA8;
+  }
+  return GL_RGBA32F;
+}
+
+static void attach(const gl_api *api, GLuint *buffer, GLenum attachment, GLenum format, uint32_t width,
+                   uint32_t height) {
+  api->GenRenderbuffers(1, buffer);
+  api->BindRenderbuffer(GL_RENDERBUFFER, *buffer);
+  api->RenderbufferStorage(GL_RENDERBUFFER, format, (GLsizei)width, (GLsizei)height);
+  api->FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, *buffer);
+}
+
+static cellist_result make(cellist_context *context, const gl_api *api, gl_target *target, uint32_t width,
+                           uint32_t height, cellist_framebuffer format, bool with_depth) {
+  static const GLenum attachments[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  GLint limit = 0;
+  api->GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &limit);
+  if (width > (uint32_t)limit || height > (uint32_t)limit)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this OpenGL draws at most %d pixels a side, not %ux%u",
+                        (int)limit, width, height);
+  gl_target_release(api, target);
+  api->GenFramebuffers(1, &target->framebuffer);
+  api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+  attach(api, &target->colour, attachments[0], internal_format(format), width, height);
+  if (with_depth) attach(api, &target->depth, attachments[1], GL_RG32F, width, height);
+  api->DrawBuffers(with_depth ? 2 : 1, attachments);
+  const GLenum status = api->CheckFramebufferStatus(GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    gl_target_release(api, target);
+    return cellist_fail(context, CELLIST_ERROR_GRAPHICS, "no framebuffer of %ux%u pixels (status 0x%x)", width, height,
+                        status);
+  }
+  target->width = width;
+  target->height = height;
+  target->format = format;
+  target->with_depth = with_depth;
+  return CELLIST_SUCCESS;
+}
+
+cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_target *target, uint32_t width,
+                               uint32_t height, cellist_framebuffer format, bool with_depth) {
+  if (target->framebuffer == 0 || target->width != width || target->height != height || target->format != format ||
+      target->with_depth != with_depth) {
+    const cellist_result result = make(context, api, target, width, height, format, with_depth);
+    if (result != CELLIST_SUCCESS) return result;
+  }
+  api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+  api->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
+  api->ClearBufferfv(GL_COLOR, 0, EMPTY);
+  api->Disable(GL_DEPTH_TEST);
+  api->Disable(GL_CULL_FACE);
+  api->Enable(GL_BLEND);
+  api->BlendEquationi(0, GL_FUNC_ADD);
+  api->BlendFuncSeparatei(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  if (with_depth) {
+    api->ClearBufferfv(GL_COLOR, 1, NO_DEPTH);
+    api->BlendEquationi(1, GL_MAX);
+    api->BlendFuncSeparatei(1, GL_ONE, GL_ONE, GL_ONE, GL_ONE);
+  }
+  return CELLIST_SUCCESS;
+}
+
+/* OpenGL's rows go up, an image's go down. */
+static void copy_channel(const gl_target *target, const float *pixels, size_t components, size_t component, float sign,
+                         cellist_image *image, const char *name) {
+  float *plane = cellist_image_channel(image, name);
+  if (plane == NULL) return;
+  for (size_t y = 0; y < target->height; y++)
+    for (size_t x = 0; x < target->width; x++)
+      plane[y * target->width + x] =
+          sign * pixels[((target->height - 1 - y) * target->width + x) * components + component];
+}
+
+cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
+                              cellist_image *image) {
+  static const char *const names[4] = {"R", "G", "B", "A"};
+  float *pixels = cellist_allocate(context, (size_t)target->width * target->height, 4 * sizeof *pixels);
+  if (pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  api->PixelStorei(GL_PACK_ALIGNMENT, 4);
+  api->ReadBuffer(GL_COLOR_ATTACHMENT0);
+  api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RGBA, GL_FLOAT, pixels);
+  for (size_t c = 0; c < 4; c++) copy_channel(target, pixels, 4, c, 1, image, names[c]);
+  if (target->with_depth) {
+    api->ReadBuffer(GL_COLOR_ATTACHMENT1);
+    api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RG, GL_FLOAT, pixels);
+    copy_channel(target, pixels, 2, 0, -1, image, "Z");
+    copy_channel(target, pixels, 2, 1, 1, image, "ZBack");
+  }
+  cellist_deallocate(context, pixels);
+  return CELLIST_SUCCESS;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * The framebuffer that cells are blended into, and the way from it into an image. Private. */
+#ifndef CELLIST_GL_TARGET_H
+#define CELLIST_GL_TARGET_H
+
+#include <cellist/gl.h>
+
+#include "api.h"
+
+typedef struct gl_target {
+  GLuint framebuffer, colour, depth; /* depth holds -front, back; 0 if it is not wanted */
+  uint32_t width, height;
+  cellist_framebuffer format;
+  bool with_depth;
+} gl_target;
+
+/* Makes the target current, of this size and format, empty, with blending from far to near. What fits is kept from
+ * the last frame. Fails with UNSUPPORTED (too large for this OpenGL) or GRAPHICS. */
+cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_target *target, uint32_t width,
+                               uint32_t height, cellist_framebuffer format, bool with_depth);
+
+/* Copies what was drawn into the image's channels of the names R G B A, Z, ZBack. Fails with OUT_OF_MEMORY. */
+cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
+                              cellist_image *image);
+
+void gl_target_release(const gl_api *api, gl_target *target);
+
+#endif
