@@ -9,8 +9,12 @@
 
 typedef long double real;
 
-/* Gauss-Legendre with 20 points, nodes by Newton's method from Chebyshev's. */
-static inline void oracle_gauss_rule(real node[20], real weight[20]) {
+/* Gauss-Legendre with 20 points, nodes by Newton's method from Chebyshev's, once per program. */
+static inline void oracle_gauss_rule(const real **nodes, const real **weights) {
+  static real node[20], weight[20];
+  *nodes = node;
+  *weights = weight;
+  if (weight[0] > 0) return;
   for (int i = 0; i < 20; i++) {
     real x = cosl(3.14159265358979323846L * (i + 0.75L) / 20.5L), slope = 1;
     for (int step = 0; step < 10; step++) {
@@ -31,8 +35,8 @@ static inline void oracle_gauss_rule(real node[20], real weight[20]) {
 /* Weights of the front and the back colour of a piece of linear extinction from a to b (times its length): panels of
  * equal depth, at most 1/2 each, up to a depth of 80. */
 static inline void oracle_weights(real a, real b, real *front, real *back) {
-  real node[20], weight[20];
-  oracle_gauss_rule(node, weight);
+  const real *node, *weight;
+  oracle_gauss_rule(&node, &weight);
   const real depth = (a + b) / 2, limit = depth < 80 ? depth : 80;
   const int panels = (int)(2 * limit) + 1;
   *front = *back = 0;

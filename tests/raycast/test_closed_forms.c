@@ -30,8 +30,7 @@ static void add_plane(struct body *body, const double *a, const double *b, const
 /* Returns the number of rays that met the body. Compares with a scalar field s = slope . p + base inside the body, a
  * linear transfer function over 0..1 and colour from c0 to c1: the whole chord is one piece. */
 static size_t compare(const cast_scene *scene, const struct body *body, const cellist_view *view, const double slope[3],
-                      double base, const cellist_transfer *transfer) {
-  const uint32_t size = 24;
+                      double base, const cellist_transfer *transfer, uint32_t size) {
   cast_picture picture = scene_draw(scene, view, size, size, transfer, NULL);
   size_t hits = 0;
   for (uint32_t i = 0; i < size * size; i++) {
@@ -107,7 +106,7 @@ TEST(a_slab_of_linear_extinction_growing_falling_and_constant)
       cellist_view view = random_view(&random, centre, round % 4 == 3 ? 1.5 : 12); /* every fourth from inside */
       if (round % 3 == 2) view.near_distance = 1;
       const cellist_transfer transfer = {2, LINEAR[round % 2]};
-      hits += compare(&scene, &body, &view, g, 0.5 - 2 * (g[0] + g[1] + g[2]), &transfer);
+      hits += compare(&scene, &body, &view, g, 0.5 - 2 * (g[0] + g[1] + g[2]), &transfer, 24);
     }
     scene_destroy(&scene);
     free(values);
@@ -116,18 +115,17 @@ TEST(a_slab_of_linear_extinction_growing_falling_and_constant)
   assert_true(hits > 10000);
 }
 
-TEST(single_tets_and_slivers)
-{
-  random_state random = {2};
+/* Cameras outside and inside, every third near plane through the tet. */
+static void draw_tets(uint64_t seed, int count, double flatness) {
+  random_state random = {seed};
   size_t hits = 0;
-  for (int round = 0; round < 150; round++) {
-    double points[12], values[4];
+  for (int round = 0; round < count; round++) {
+    double points[12];
+    const double values[4] = {0.5, 0.5, 0.5, 0.5}, flat[3] = {0, 0, 0};
     const uint32_t tet[4] = {0, 1, 2, 3};
     for (int i = 0; i < 12; i++) points[i] = random_between(&random, -1, 1);
-    if (round % 3 == 2) /* the fourth point close to the plane of the others */
-      for (int k = 0; k < 3; k++)
-        points[9 + k] = (points[k] + points[3 + k] + points[6 + k]) / 3 + 1e-3 * points[9 + k];
-    for (int i = 0; i < 4; i++) values[i] = 0.5;
+    for (int k = 0; k < 3; k++) /* the fourth point, close to the plane of the others */
+      points[9 + k] = (1 - flatness) * (points[k] + points[3 + k] + points[6 + k]) / 3 + flatness * points[9 + k];
     struct body body = {0};
     real inside[3];
     for (int k = 0; k < 3; k++) inside[k] = ((real)points[k] + points[3 + k] + points[6 + k] + points[9 + k]) / 4;
@@ -136,15 +134,24 @@ TEST(single_tets_and_slivers)
                 &points[3 * CELLIST_TET_FACE[f][2]], inside);
     cast_scene scene;
     scene_create(&scene, 1, 4, points, 1, tet, CELLIST_ON_POINTS, values);
-    const double target[3] = {(double)inside[0], (double)inside[1], (double)inside[2]}, flat[3] = {0, 0, 0};
-    cellist_view view = random_view(&random, target, 6);
-    view.fovy_degrees = 12;
+    const double target[3] = {(double)inside[0], (double)inside[1], (double)inside[2]};
+    const double distance = round % 5 == 4 ? 0.1 : 6;
+    cellist_view view = random_view(&random, target, distance);
+    view.fovy_degrees = distance < 1 ? 60 : 14;
+    if (view.parallel_height > 0) view.parallel_height = 1.5;
+    if (round % 3 == 2)
+      for (int k = 0; k < 3; k++) view.near_distance = hypot(view.near_distance, view.eye[k] - target[k]);
     const cellist_transfer transfer = {2, LINEAR[0]};
-    hits += compare(&scene, &body, &view, flat, 0.5, &transfer);
+    hits += compare(&scene, &body, &view, flat, 0.5, &transfer, 8);
     scene_destroy(&scene);
   }
-  assert_true(hits > 4000);
+  assert_true(hits > 5 * (size_t)count);
 }
+
+TEST(single_tets)
+{ draw_tets(2, 2000, 1); }
+TEST(slivers)
+{ draw_tets(4, 2000, 1e-3); }
 
 TEST(convex_polyhedra_of_constant_density)
 {
@@ -185,7 +192,7 @@ TEST(convex_polyhedra_of_constant_density)
     const double target[3] = {0, 0, 0}, flat[3] = {0, 0, 0};
     const cellist_view view = random_view(&random, target, 8);
     const cellist_transfer transfer = {2, LINEAR[1]};
-    hits += compare(&scene, &body, &view, flat, 0.25, &transfer);
+    hits += compare(&scene, &body, &view, flat, 0.25, &transfer, 24);
     scene_destroy(&scene);
   }
   assert_true(hits > 4000);
