@@ -5,11 +5,8 @@
 
 #include "sorter.h"
 
-/* Fills sorter->state for a view. */
-void sort_find_states(cellist_sorter *sorter, const sort_eye *eye, cellist_sort_stats *stats);
-
 /* Puts out cells far to near, as long as there is one with nothing left behind it; returns how many. The rest holds
- * cycles. */
+ * cycles. sorter->state is filled. */
 size_t sort_topologically(cellist_sorter *sorter, uint32_t *order);
 
 #endif

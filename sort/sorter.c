@@ -61,8 +61,9 @@ static cellist_result prepare(cellist_sorter *sorter) {
   cellist_result result = check_mesh(context, &sorter->mesh);
   if (result == CELLIST_SUCCESS) result = sort_is_convex(context, &sorter->mesh, &sorter->convex);
   if (result == CELLIST_SUCCESS && !sorter->convex) result = sort_gaps_create(context, &sorter->mesh, &sorter->gaps);
+  if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->mesh, &sorter->planes);
   if (result != CELLIST_SUCCESS) return result;
-  sorter->state = cellist_allocate(context, sorter->mesh.tet_count, sizeof *sorter->state);
+  sorter->state = cellist_allocate(context, 4 * sorter->planes.group_count + 4, sizeof *sorter->state);
   return sorter->state != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
@@ -87,6 +88,7 @@ void cellist_sorter_destroy(cellist_sorter *sorter) {
   if (sorter == NULL) return;
   cellist_context *context = sorter->context;
   sort_gaps_release(context, &sorter->gaps);
+  sort_planes_release(context, &sorter->planes);
   cellist_deallocate(context, sorter->state);
   cellist_deallocate(context, sorter->groups);
   cellist_deallocate(context, sorter->group_scratch);
@@ -108,7 +110,8 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
   const sort_eye eye = sort_eye_of(viewpoint);
   cellist_sort_stats found = {.exact = true};
   sorter->group_count = 0;
-  sort_find_states(sorter, &eye, &found);
+  found.exact_sign_count =
+      sort_planes_find_states(sorter->context, &sorter->mesh, &sorter->planes, &eye, sorter->state);
   cellist_result result = CELLIST_SUCCESS;
   if (!sorter->convex) {
     result = sort_gaps_find(sorter->context, &sorter->gaps, &eye);

@@ -6,6 +6,7 @@
 #include <cellist/sort.h>
 
 #include "gaps/gaps.h"
+#include "signs/signs.h"
 #include "view.h"
 
 /* A cell's state in one view: bits 0-3: the neighbour there lies in front; bits 4-6: how many neighbours behind it are
@@ -17,7 +18,8 @@ struct cellist_sorter {
   cellist_sorter_desc mesh;
   bool convex; /* no gap anywhere: faces alone order the cells, and gaps is empty */
   sort_gaps gaps;
-  uint8_t *state; /* [tet_count] */
+  sort_planes planes;
+  uint8_t *state; /* [tet_count] and some, so that eight can be read at once */
   size_t group_count, group_capacity;
   cellist_group *groups;
   uint64_t *group_scratch;

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * The eye's side of every shared face. Private to sort/. */
+#ifndef CELLIST_SORT_SIGNS_H
+#define CELLIST_SORT_SIGNS_H
+
+#include "../view.h"
+#include "kernel.h"
+
+/* All planes of a mesh in 16 bits a coordinate, in a frame of their own (centre at 0, the farthest point at 1). */
+typedef struct sort_planes {
+  size_t group_count; /* of four tets */
+  int16_t *planes;    /* [64 group_count] */
+  uint16_t *inner;    /* [group_count] */
+  double centre[3], radius;
+  sort_sign_kernel kernel;
+} sort_planes;
+
+/* Fills a zeroed sort_planes. Errors: OUT_OF_MEMORY (what is there can be released). Cost: linear. */
+cellist_result sort_planes_create(cellist_context *context, const cellist_sorter_desc *mesh, sort_planes *planes);
+void sort_planes_release(cellist_context *context, sort_planes *planes);
+
+/* Writes all tets' states (bit k: the neighbour across face k lies in front; 16 for each neighbour behind).
+ * states: [4 group_count], of which tet_count matter. Returns how many faces 16 bits could not decide. */
+size_t sort_planes_find_states(cellist_context *context, const cellist_sorter_desc *mesh, const sort_planes *planes,
+                               const sort_eye *eye, uint8_t *states);
+
+#endif
