@@ -72,6 +72,34 @@ cellist_result grid_make_uniform(cellist_context *context, struct grid *grid, si
   return CELLIST_SUCCESS;
 }
 
+/* Corners in VTK's order. */
+static void hexahedron_at(size_t at, size_t dy, size_t dz, uint32_t ids[8]) {
+  const size_t corners[8] = {at, at + 1, at + 1 + dy, at + dy, at + dz, at + 1 + dz, at + 1 + dy + dz, at + dy + dz};
+  for (int k = 0; k < 8; k++) ids[k] = (uint32_t)corners[k];
+}
+
+/* Six times the volume at the first corner: a sum of these tells which way round a block is numbered. */
+static double corner_volume(const double *points, const uint32_t ids[8]) {
+  const double *o = &points[3 * (size_t)ids[0]], *a = &points[3 * (size_t)ids[1]];
+  const double *b = &points[3 * (size_t)ids[3]], *c = &points[3 * (size_t)ids[4]];
+  const double x[3] = {a[0] - o[0], a[1] - o[1], a[2] - o[2]}, y[3] = {b[0] - o[0], b[1] - o[1], b[2] - o[2]};
+  const double z[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
+  return z[0] * (x[1] * y[2] - x[2] * y[1]) + z[1] * (x[2] * y[0] - x[0] * y[2]) + z[2] * (x[0] * y[1] - x[1] * y[0]);
+}
+
+/* The block's hexahedra, and whether they are left-handed. */
+static bool fill_block(const double *points, const size_t n[3], size_t first, uint32_t *ids) {
+  const size_t dy = n[0], dz = n[0] * n[1];
+  double volume = 0;
+  for (size_t z = 0; z + 1 < n[2]; z++)
+    for (size_t y = 0; y + 1 < n[1]; y++)
+      for (size_t x = 0; x + 1 < n[0]; x++, ids += 8) {
+        hexahedron_at(first + x + dy * y + dz * z, dy, dz, ids);
+        volume += corner_volume(points, ids);
+      }
+  return volume < 0;
+}
+
 cellist_result grid_make_structured(cellist_context *context, struct grid *grid, size_t block_count,
                                     const struct grid_block *blocks) {
   size_t cell_count = 0;
@@ -81,22 +109,21 @@ cellist_result grid_make_structured(cellist_context *context, struct grid *grid,
   }
   const cellist_result result = grid_make_uniform(context, grid, cell_count, GRID_HEXAHEDRON, 8, NULL);
   if (result != CELLIST_SUCCESS) return result;
-  grid->is_structured = true;
   uint32_t *ids = grid->connectivity;
   size_t first = 0;
   for (size_t b = 0; b < block_count; b++) {
     const size_t *n = blocks[b].size;
     if (n[0] == 0 || n[1] == 0 || n[2] == 0) continue;
-    const size_t dy = n[0], dz = n[0] * n[1];
-    for (size_t z = 0; z + 1 < n[2]; z++)
-      for (size_t y = 0; y + 1 < n[1]; y++)
-        for (size_t x = 0; x + 1 < n[0]; x++) {
-          const size_t at = first + x + dy * y + dz * z;
-          const size_t corners[8] = {at,      at + 1,      at + 1 + dy,      at + dy,
-                                     at + dz, at + 1 + dz, at + 1 + dy + dz, at + dy + dz};
-          for (int k = 0; k < 8; k++) *ids++ = (uint32_t)corners[k];
-        }
-    first += dz * n[2];
+    const size_t count = (n[0] - 1) * (n[1] - 1) * (n[2] - 1);
+    const bool is_left_handed = fill_block(grid->points, n, first, ids);
+    for (size_t i = 0; i < count && is_left_handed; i++)
+      for (size_t k = 0; k < 4; k++) {
+        const uint32_t swap = ids[8 * i + k];
+        ids[8 * i + k] = ids[8 * i + k + 4];
+        ids[8 * i + k + 4] = swap;
+      }
+    ids += 8 * count;
+    first += n[0] * n[1] * n[2];
   }
   return CELLIST_SUCCESS;
 }
@@ -237,7 +264,7 @@ static cellist_result join_pieces(cellist_context *context, size_t piece_count, 
     grid->point_count += pieces[p].point_count;
     grid->cell_count += pieces[p].cell_count;
     grid->face_count += pieces[p].face_count;
-    grid->is_structured |= pieces[p].is_structured;
+    grid->skipped_cell_count += pieces[p].skipped_cell_count;
     any_hidden_points |= pieces[p].hidden_points != NULL;
     any_hidden_cells |= pieces[p].hidden_cells != NULL;
   }

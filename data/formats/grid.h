@@ -30,13 +30,12 @@ struct grid {
   uint32_t *faces;        /* polyhedra: per cell the number of faces, then per face its size and its points; or NULL */
   size_t face_count;      /* numbers in faces */
   size_t *face_starts;    /* [cell_count] where a polyhedron's numbers begin in faces; or NULL */
-  uint32_t *cell_origin;  /* [cell_count] the file's cell ids, or NULL: the cell's own index; may repeat (polyhedra) */
-  size_t file_cell_count; /* with cell_origin: cells in the file, and values of fields on cells */
-  uint8_t *hidden_points; /* [point_count] or NULL; not 0: cells that use the point are left out */
-  uint8_t *hidden_cells;  /* [cell_count] or NULL; not 0: ghost or blanked, left out */
+  uint32_t *cell_origin;  /* [cell_count] ids in the file, or NULL: the cell's own index; may repeat (polyhedra) */
+  size_t skipped_cell_count; /* cells of lower dimension that the reader has not kept */
+  uint8_t *hidden_points;    /* [point_count] or NULL; not 0: cells that use the point are left out */
+  uint8_t *hidden_cells;     /* [cell_count] or NULL; not 0: ghost or blanked, left out */
   size_t field_count;
-  cellist_field *fields; /* values per point, or per cell of the file */
-  bool is_structured;    /* cells of a block are right- or left-handed together: no flaw */
+  cellist_field *fields; /* values per point, or per cell */
 };
 
 /* Frees what the grid owns and zeroes it. */
@@ -52,7 +51,8 @@ cellist_result grid_add_field(cellist_context *context, struct grid *grid, const
 cellist_result grid_make_uniform(cellist_context *context, struct grid *grid, size_t cell_count, uint8_t type,
                                  size_t corner_count, uint32_t *connectivity);
 
-/* Appends the hexahedra of blocks of nx x ny x nz points (x fastest, blocks one after the other in points). */
+/* Makes the hexahedra of blocks of nx x ny x nz points (x fastest, blocks one after the other in points, which must be
+ * there). A block may be left-handed as a whole: that is how it was numbered, and no flaw. */
 struct grid_block {
   size_t size[3];
 };

@@ -112,39 +112,36 @@ static bool is_wedge(uint8_t type) {
   return type == 13 || type == 26 || type == 31 || type == 32 || type == 73 || type == 80;
 }
 
-static size_t split_cell(const struct grid *grid, size_t cell, uint32_t tets[][4], double *volume) {
+static size_t split_cell(const struct grid *grid, size_t cell, uint32_t tets[][4]) {
   const size_t count = grid_split_cell(grid->types[cell], &grid->connectivity[grid->offsets[cell]], tets);
-  *volume = 0;
-  if (!grid->is_structured && !is_wedge(grid->types[cell])) return count;
-  for (size_t i = 0; i < count; i++) *volume += volume_of(grid, tets[i]);
-  if (is_wedge(grid->types[cell]) && *volume < 0) mirror(count, tets);
+  if (!is_wedge(grid->types[cell])) return count;
+  double volume = 0;
+  for (size_t i = 0; i < count; i++) volume += volume_of(grid, tets[i]);
+  if (volume < 0) mirror(count, tets);
   return count;
 }
 
 /* First pass: judges every cell and counts the tets; keep[cell] for the second one. */
-static cellist_result count_tets(struct conversion *conversion, uint8_t *keep, bool *are_all_tets,
-                                 bool *is_left_handed) {
+static cellist_result count_tets(struct conversion *conversion, uint8_t *keep, bool *are_all_tets) {
   const struct grid *grid = conversion->grid;
   uint32_t tets[SPLIT_LIMIT][4];
-  double total = 0, volume = 0;
   *are_all_tets = true;
   for (size_t cell = 0; cell < grid->cell_count; cell++) {
     bool is_kept = false;
     const cellist_result result = judge_cell(conversion, cell, &is_kept);
     if (result != CELLIST_SUCCESS) return result;
-    const size_t count = is_kept ? split_cell(grid, cell, tets, &volume) : 0;
+    const size_t count =
+        is_kept ? grid_split_cell(grid->types[cell], &grid->connectivity[grid->offsets[cell]], tets) : 0;
     keep[cell] = count > 0;
     conversion->facts.collapsed_cell_count += is_kept && count == 0;
     conversion->tet_count += count;
-    if (is_kept) total += volume;
     *are_all_tets &= count == 1 && grid->types[cell] == GRID_TETRA;
   }
-  *is_left_handed = grid->is_structured && total < 0;
   return CELLIST_SUCCESS;
 }
 
-static cellist_result fill_tets(struct conversion *conversion, const uint8_t *keep, bool is_left_handed,
-                                mesh_parts *parts) {
+/* Second pass; tet_origin is the grid's cell for now. */
+static cellist_result fill_tets(struct conversion *conversion, const uint8_t *keep, mesh_parts *parts) {
   const struct grid *grid = conversion->grid;
   parts->tets = cellist_allocate(conversion->context, conversion->tet_count, 4 * sizeof *parts->tets);
   parts->tet_origin = cellist_allocate(conversion->context, conversion->tet_count, sizeof *parts->tet_origin);
@@ -153,11 +150,9 @@ static cellist_result fill_tets(struct conversion *conversion, const uint8_t *ke
   for (size_t cell = 0; cell < grid->cell_count; cell++) {
     if (!keep[cell]) continue;
     uint32_t tets[SPLIT_LIMIT][4];
-    double volume = 0;
-    const size_t count = split_cell(grid, cell, tets, &volume);
-    if (is_left_handed) mirror(count, tets);
+    const size_t count = split_cell(grid, cell, tets);
     memcpy(&parts->tets[4 * at], tets, count * sizeof *tets);
-    for (size_t i = 0; i < count; i++) parts->tet_origin[at++] = (uint32_t)file_cell(grid, cell);
+    for (size_t i = 0; i < count; i++) parts->tet_origin[at++] = (uint32_t)cell;
   }
   return CELLIST_SUCCESS;
 }
@@ -187,14 +182,14 @@ static cellist_result convert(struct conversion *conversion, mesh_parts *parts) 
   struct grid *grid = conversion->grid;
   uint8_t *keep = cellist_allocate(context, grid->cell_count, 1);
   if (keep == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
-  bool are_all_tets = false, is_left_handed = false;
+  bool are_all_tets = false;
   cellist_result result = judge_points(conversion);
-  if (result == CELLIST_SUCCESS) result = count_tets(conversion, keep, &are_all_tets, &is_left_handed);
-  if (result == CELLIST_SUCCESS && are_all_tets && grid->cell_origin == NULL) {
+  if (result == CELLIST_SUCCESS) result = count_tets(conversion, keep, &are_all_tets);
+  if (result == CELLIST_SUCCESS && are_all_tets) {
     parts->tets = grid->connectivity;
     grid->connectivity = NULL;
   } else if (result == CELLIST_SUCCESS) {
-    result = fill_tets(conversion, keep, is_left_handed, parts);
+    result = fill_tets(conversion, keep, parts);
   }
   cellist_deallocate(context, keep);
   if (result != CELLIST_SUCCESS) return result;
@@ -202,7 +197,15 @@ static cellist_result convert(struct conversion *conversion, mesh_parts *parts) 
   parts->point_count = grid->point_count;
   parts->positions = grid->points;
   grid->points = NULL;
-  return move_fields(context, grid, parts);
+  result = move_fields(context, grid, parts);
+  if (result != CELLIST_SUCCESS || grid->cell_origin == NULL) return result;
+  if (parts->tet_origin == NULL) {
+    parts->tet_origin = grid->cell_origin;
+    grid->cell_origin = NULL;
+  } else {
+    for (size_t i = 0; i < parts->tet_count; i++) parts->tet_origin[i] = grid->cell_origin[parts->tet_origin[i]];
+  }
+  return CELLIST_SUCCESS;
 }
 
 static void log_what_was_left_out(const struct conversion *conversion) {
@@ -233,7 +236,8 @@ cellist_result grid_to_mesh(cellist_context *context, struct grid *grid, const c
   struct conversion conversion = {.context = context, .grid = grid, .strict = desc != NULL && desc->strict};
   mesh_parts parts = {0};
   cellist_result result = CELLIST_SUCCESS;
-  const size_t file_cell_count = grid->cell_count;
+  const size_t file_cell_count = grid->cell_count + grid->skipped_cell_count;
+  conversion.facts.skipped_cell_count = grid->skipped_cell_count;
   if (desc != NULL && desc->merge)
     result = grid_merge_points(context, grid, desc->merge_distance, &parts.point_origin,
                                &conversion.facts.merged_point_count);

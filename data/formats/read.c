@@ -4,11 +4,38 @@
 
 #include <string.h>
 
+#include "text.h"
+
 typedef cellist_result (*reader)(cellist_context *context, const struct source *source, struct grid *grid);
 
 static bool begins_with(const struct source *source, size_t at, const char *text) {
   const size_t length = strlen(text);
   return source->size - at >= length && memcmp(source->bytes + at, text, length) == 0;
+}
+
+/* The numbers of the first line that has any, if they are integers: at most four; 0 if it is no such line. */
+static size_t first_integers(const struct source *source, int64_t numbers[4]) {
+  struct text text = text_of(source, '#');
+  text_next_word(&text);
+  if (text.at == text.end) return 0;
+  text = text_of(source, '#');
+  size_t count = 0;
+  for (struct text_word word = text_next_word(&text); word.length > 0; word = text_next_word_in_line(&text)) {
+    if (count == 4 || !text_word_to_integer(word, &numbers[count])) return 0;
+    count++;
+  }
+  return count;
+}
+
+/* Text files without a magic word: their first line tells. */
+static reader find_bare_text_reader(const struct source *source) {
+  int64_t numbers[4] = {0};
+  const size_t count = first_integers(source, numbers);
+  if (source_has_suffix(source, ".node") || source_has_suffix(source, ".ele") || source_has_suffix(source, ".face"))
+    return read_tetgen;
+  if (source_has_suffix(source, ".off")) return read_off;
+  if ((count == 4 && numbers[1] == 3) || (count == 3 && (numbers[1] == 4 || numbers[1] == 10))) return read_tetgen;
+  return count == 2 ? read_off : NULL;
 }
 
 static reader find_reader(const struct source *source) {
@@ -18,7 +45,14 @@ static reader find_reader(const struct source *source) {
     at++;
   if (begins_with(source, at, "<?xml") || begins_with(source, at, "<VTKFile") || begins_with(source, at, "<!"))
     return read_vtk_xml;
-  return NULL;
+  if (begins_with(source, 0, "# vtk DataFile")) return read_vtk_legacy;
+  if (begins_with(source, at, "$MeshFormat") || begins_with(source, at, "$Comments")) return read_gmsh;
+  struct text text = text_of(source, '#');
+  const struct text_word first = text_next_word(&text);
+  if (text_word_is(first, "MeshVersionFormatted")) return read_medit;
+  if (text_word_is(first, "OFF")) return read_off;
+  /* Sizes in binary never look like a first line of numbers: their bytes are mostly zeros. */
+  return plot3d_is_grid(source) ? read_plot3d : find_bare_text_reader(source);
 }
 
 static cellist_result read_source(cellist_context *context, const struct source *source,
@@ -42,6 +76,7 @@ cellist_result cellist_mesh_read(cellist_context *context, const char *path, con
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_mesh_read: path or mesh is NULL");
   struct source source;
   cellist_result result = source_open(context, path, &source);
+  if (desc != NULL) source.solution = desc->solution;
   if (result == CELLIST_SUCCESS) result = read_source(context, &source, desc, mesh);
   source_close(context, &source);
   return result;
@@ -52,6 +87,7 @@ cellist_result cellist_mesh_read_memory(cellist_context *context, const char *na
   if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
   if (name == NULL || bytes == NULL || mesh == NULL)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_mesh_read_memory: an argument is NULL");
-  const struct source source = source_of_memory(name, bytes, size);
+  struct source source = source_of_memory(name, bytes, size);
+  if (desc != NULL) source.solution = desc->solution;
   return read_source(context, &source, desc, mesh);
 }

@@ -106,21 +106,21 @@ cellist_result source_open_beside(cellist_context *context, const struct source 
   return open_path(context, path, opened);
 }
 
-bool source_try_sibling(cellist_context *context, const struct source *source, size_t suffix_length, const char *suffix,
-                        struct source *opened) {
+cellist_result source_try_sibling(cellist_context *context, const struct source *source, size_t suffix_length,
+                                  const char *suffix, struct source *opened, bool *found) {
   *opened = (struct source){0};
+  *found = false;
   const char *name = source->name + folder_length(source->name);
-  char sibling[256]; /* NAME_MAX: a longer name cannot exist */
-  if (source->open_beside == NULL || strlen(name) < suffix_length) return false;
-  const int stem = (int)(strlen(name) - suffix_length);
-  const int length = stem < 256 ? snprintf(sibling, sizeof sibling, "%.*s%s", stem, name, suffix) : -1;
-  if (length < 0 || (size_t)length >= sizeof sibling || strcmp(sibling, name) == 0) return false;
-  if (source->open_beside == source_open_beside) {
-    char path[4096];
-    const int written = snprintf(path, sizeof path, "%.*s%s", (int)folder_length(source->name), source->name, sibling);
-    if (written < 0 || (size_t)written >= sizeof path || access(path, R_OK) != 0) return false;
-  }
-  return source->open_beside(context, source, sibling, opened) == CELLIST_SUCCESS;
+  if (source->open_beside == NULL || strlen(name) < suffix_length) return CELLIST_SUCCESS;
+  const size_t stem = strlen(name) - suffix_length, size = folder_length(source->name) + stem + strlen(suffix) + 1;
+  char *path = cellist_allocate(context, size, 1);
+  if (path == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  snprintf(path, size, "%.*s%s", (int)(folder_length(source->name) + stem), source->name, suffix);
+  cellist_result result = CELLIST_SUCCESS;
+  *found = strcmp(path, source->name) != 0 && (source->open_beside != source_open_beside || access(path, R_OK) == 0);
+  if (*found) result = source->open_beside(context, source, path + folder_length(source->name), opened);
+  cellist_deallocate(context, path);
+  return result;
 }
 
 void source_close(cellist_context *context, struct source *source) {

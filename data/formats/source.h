@@ -12,7 +12,8 @@ struct source {
   const char *name; /* as the user gave it, "standard input" for "-" */
   const uint8_t *bytes;
   size_t size;
-  void *mapped; /* how source_close gives the bytes back */
+  const char *solution; /* PLOT3D: the user's name of the file with the variables, or NULL */
+  void *mapped;         /* how source_close gives the bytes back */
   void *owned_bytes;
   char *owned_name;
   /* Opens a file named in this one. NULL: files beside it cannot be read (standard input, memory). */
@@ -30,10 +31,10 @@ struct source source_of_memory(const char *name, const void *bytes, size_t size)
 cellist_result source_open_beside(cellist_context *context, const struct source *source, const char *name,
                                   struct source *opened);
 
-/* Whether source's name with everything from suffix_length before its end replaced by suffix exists; opens it. Returns
- * false, without an error, if there is none. */
-bool source_try_sibling(cellist_context *context, const struct source *source, size_t suffix_length, const char *suffix,
-                        struct source *opened);
+/* Opens the file whose name is source's with its last suffix_length characters replaced by suffix. *found: whether
+ * there is one; there being none is no error. */
+cellist_result source_try_sibling(cellist_context *context, const struct source *source, size_t suffix_length,
+                                  const char *suffix, struct source *opened, bool *found);
 
 /* Frees and zeroes; a zeroed source is legal. */
 void source_close(cellist_context *context, struct source *source);

@@ -170,5 +170,7 @@ cellist_result mesh_reorder(cellist_context *context, mesh_parts *parts, uint8_t
   if (result == CELLIST_SUCCESS) result = reorder_points(context, parts, *point_origin);
   if (result == CELLIST_SUCCESS && parts->point_origin != NULL)
     for (size_t i = 0; i < parts->point_count; i++) (*point_origin)[i] = parts->point_origin[(*point_origin)[i]];
+  cellist_deallocate(context, parts->point_origin);
+  parts->point_origin = NULL;
   return result;
 }

@@ -101,6 +101,7 @@ typedef struct cellist_mesh_read_desc {
   bool strict;           /* refuse what would otherwise be repaired or skipped with a warning */
   bool merge;            /* join points that coincide: exactly, or within merge_distance */
   double merge_distance; /* in the file's units, 0: equal coordinates only */
+  const char *solution;  /* PLOT3D: the file of the variables; NULL: the one beside (NAMEq.bin of NAMExyz.bin, or .q) */
 } cellist_mesh_read_desc;
 
 /* Reads a mesh file; the format is told from the content, the name only breaks ties.
