@@ -121,6 +121,8 @@ static int report_json(const struct render_options *options, const cellist_pipel
   json_object_set_new(object, "opacity_convention", json_string(stats->convention));
   json_object_set_new(object, "tf_entries", json_integer((json_int_t)stats->transfer_knots));
   json_object_set_new(object, "order", json_string(stats->order));
+  json_object_set_new(object, "groups", json_integer((json_int_t)stats->group_count));
+  json_object_set_new(object, "cells_in_groups", json_integer((json_int_t)stats->cells_in_groups));
   json_object_set_new(object, "integration", json_string(stats->method));
   json_object_set_new(object, "precision", json_string(stats->precision));
   json_object_set_new(object, "error_bound", terminal_number(stats->error_bound));

@@ -269,7 +269,10 @@ static cellist_result draw_faces(cellist_pipeline *pipeline, const cellist_frame
   cellist_result result = cellist_sorter_sort(pipeline->sorter, &viewpoint, pipeline->order, &sorted);
   if (result != CELLIST_SUCCESS) return result;
   stats->sort_seconds = seconds_now() - begin;
-  stats->order = sorted.exact ? "exact" : "approximate";
+  /* Inside a group no order of whole cells is right, and they are drawn in one. */
+  stats->order = sorted.exact && sorted.group_count == 0 ? "exact" : "approximate";
+  stats->group_count = sorted.group_count;
+  stats->cells_in_groups = sorted.cells_in_groups;
 
   const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model};
   cellist_gl_stats drawn;

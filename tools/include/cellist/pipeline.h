@@ -63,6 +63,7 @@ typedef struct cellist_pipeline_stats {
   const char *precision;                   /* "fast" (single precision) or "reference" */
   double error_bound;                      /* proved, of reference; infinity where none is known */
   const char *order;                       /* "exact", "approximate", or "none" if no order was needed */
+  size_t group_count, cells_in_groups;     /* cells that lie in front of each other in circles, where order matters */
   uint64_t fragments;                      /* segments that contributed, as the renderer counts them */
   const char *convention;                  /* of opacity: "unstructured" or "image" */
   size_t transfer_knots;
