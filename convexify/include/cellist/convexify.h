@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Convexify: a concave mesh, in pieces, with cavities and tunnels, becomes a convex complex. */
+#ifndef CELLIST_CONVEXIFY_H
+#define CELLIST_CONVEXIFY_H
+
+#include <cellist/complex.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What is added to the mesh, and how it is made convex. */
+typedef enum cellist_exterior {
+  CELLIST_EXTERIOR_HULL = 0, /* up to the convex hull, cut by planes: few cells */
+  CELLIST_EXTERIOR_BOX,      /* up to a box somewhat larger than the mesh, cut by planes */
+  CELLIST_EXTERIOR_GRID,     /* up to the convex hull, cut by a regular grid first: compact cells */
+  CELLIST_EXTERIOR_DELAUNAY  /* up to the convex hull, a constrained Delaunay tetrahedralisation: the most compact
+                                cells, which sort best; HULL where TetGen is absent or refuses the boundary */
+} cellist_exterior;
+
+typedef enum cellist_score {
+  CELLIST_SCORE_OWN = 0, /* reflex edges that the plane splits less those that lie in it, then facets crossed */
+  CELLIST_SCORE_PAPER    /* facets crossed: [C] section 6.2 */
+} cellist_score;
+
+/* {0} is valid and means the defaults. */
+typedef struct cellist_convexify_desc {
+  cellist_exterior exterior;
+  uint32_t candidates; /* reflex edges whose planes compete for a cut; 0: 20. More than 20 sometimes hurts */
+  cellist_score score;
+  uint64_t seed;      /* of the random choice of candidates */
+  bool keep_unmerged; /* do not join neighbours whose union is convex */
+  uint32_t grid_size; /* grid: planes along the longest axis; 0: as many as suit the number of boundary faces */
+} cellist_convexify_desc;
+
+/* What convexifying did. */
+typedef struct cellist_convexify_stats {
+  cellist_exterior exterior; /* the one that was made; differs from the wanted one if Delaunay was refused */
+  size_t imaginary_cells;
+  size_t facets;
+  size_t planes; /* distinct planes that facets lie in */
+  size_t cuts;
+  size_t merges;
+  size_t exterior_facets;      /* triangles that enclosed the exterior before it was cut */
+  size_t convexity_violations; /* edges at which an imaginary cell is reflex, by exact test; 0 */
+  double hull_volume;          /* of the hull, or the box, in the mesh's unit cubed */
+  double mesh_volume;          /* of the tets */
+  double imaginary_volume;     /* of the imaginary cells, each summed by itself */
+  double volume_error;         /* |imaginary - (hull - mesh)| / hull */
+  bool cached;                 /* read from a file */
+} cellist_convexify_stats;
+
+/* The descriptor with every default filled in. Threads: any. */
+CELLIST_API cellist_convexify_desc cellist_convexify_desc_default(void);
+
+/* Makes a mesh convex. Every decision is exact on the coordinates as given.
+ * Arrays: desc and stats may be NULL. *complex is the caller's, for cellist_complex_destroy.
+ * Errors: INVALID_ARGUMENT; GEOMETRY (tets that overlap, boundary faces that cross or touch other than at shared
+ *   vertices and edges, a flawed boundary: the message names cells by the ids of the user's file); OUT_OF_MEMORY;
+ *   CANCELLED; INTERNAL.
+ * Threads: one call per context at a time. The result depends on mesh and desc only.
+ * Cost: see convexify/README.md. */
+CELLIST_API cellist_result cellist_convexify(cellist_context *context, const cellist_mesh *mesh,
+                                             const cellist_convexify_desc *desc, cellist_complex **complex,
+                                             cellist_convexify_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,428 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Exact geometry: planes through three points, vertices where a line meets a plane, and the signs that cutting asks
+ * for, all exact on the coordinates as given.
+ *
+ * Coordinates become integers (differences to one origin, times a power of two), planes and vertices keep their exact
+ * coefficients: a plane has degrees 2 and 3 in the coordinates, a meet 7 over 6, so a side test is a product sum of
+ * degree 9 over stored numbers, not a determinant; comparing two meets has degree 13. A rounded copy answers first,
+ * with a forward error bound. Stored coefficients instead of expansions or CGAL's lazy kernel: no tree to keep alive,
+ * one exact test costs about four multiplications of a few limbs, and a meet of meets stays of degree 7 because every
+ * edge keeps the two points or two planes of its line. */
+#include "work.h"
+
+/* Forward error of n.x + d on rounded coefficients, in units of U times the sum of the terms' magnitudes: a coefficient
+ * is off by 2 U, a vertex by 5 U (two conversions, one division), each term by 1 more, the sums by 3: 11. */
+static const double SIDE_BOUND = 16 * 0x1p-53;
+/* Two rounded coordinates, 5 U each. */
+static const double COMPARE_BOUND = 12 * 0x1p-53;
+/* A difference of two products of rounded coefficients: 5 U each and one more; of sheared coordinates: 16 U a factor.
+ */
+static const double CROSS_BOUND = 8 * 0x1p-53;
+static const double TURN_BOUND = 64 * 0x1p-53;
+/* Below this a double's rounding is no longer relative; the work's own unit keeps sound data far above. */
+static const double TINY = 1e-270;
+
+void work_reserve(work *w, void *list, size_t count, size_t size) {
+  LIST(void) *l = list;
+  if (count <= l->capacity) return;
+  size_t capacity = l->capacity + l->capacity / 2;
+  if (capacity < 16) capacity = 16;
+  if (capacity < count) capacity = count;
+  void *items = cellist_reallocate(w->context, l->items, l->count, capacity, size);
+  if (items == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  l->items = items;
+  l->capacity = capacity;
+}
+
+void work_fail(work *w, cellist_result result) {
+  w->result = result;
+  longjmp(w->failed, 1);
+}
+
+static exact_number keep(work *w, const wide *value) {
+  if (w->limbs.count + value->length > UINT32_MAX) {
+    cellist_fail(w->context, CELLIST_ERROR_UNSUPPORTED, "convexify: more exact coefficients than 32 bits can address");
+    work_fail(w, CELLIST_ERROR_UNSUPPORTED);
+  }
+  work_reserve(w, &w->limbs, w->limbs.count + value->length, sizeof *w->limbs.items);
+  const exact_number number = {value->sign * (int32_t)value->length, (uint32_t)w->limbs.count};
+  memcpy(&w->limbs.items[w->limbs.count], value->limb, value->length * sizeof value->limb[0]);
+  w->limbs.count += value->length;
+  return number;
+}
+
+static void load(const work *w, wide *out, exact_number number) {
+  out->sign = (number.length > 0) - (number.length < 0);
+  out->length = (size_t)(number.length < 0 ? -number.length : number.length);
+  memcpy(out->limb, &w->limbs.items[number.offset], out->length * sizeof out->limb[0]);
+}
+
+/* |value| * 2^exponent = mantissa * 2^*power with mantissa in [1, 2^64): off by 2 U at most. */
+static double split_double(const wide *value, int *power) {
+  *power = 0;
+  if (value->sign == 0) return 0;
+  const size_t n = value->length;
+  double mantissa = (double)value->limb[n - 1];
+  if (n > 1) mantissa += (double)value->limb[n - 2] * 0x1p-64;
+  *power = 64 * (int)(n - 1);
+  return value->sign * mantissa;
+}
+
+static double to_double(const wide *value, int exponent) {
+  int power;
+  const double mantissa = split_double(value, &power);
+  return ldexp(mantissa, power + exponent);
+}
+
+static double quotient(const wide *numerator, const wide *denominator, int exponent) {
+  int over, under;
+  const double n = split_double(numerator, &over), d = split_double(denominator, &under);
+  return ldexp(n / d, over - under + exponent);
+}
+
+void exact_begin(work *w, const double bounds[6], int lowest_exponent) {
+  double extent = 0;
+  for (int k = 0; k < 3; k++) {
+    w->origin[k] = bounds[k];
+    extent = fmax(extent, bounds[3 + k] / 2 - bounds[k] / 2);
+  }
+  w->base = lowest_exponent;
+  w->shift = 0;
+  if (extent > 0) frexp(extent, &w->shift);
+}
+
+static void coordinate(const work *w, wide *out, wide *scratch, double value, int axis) {
+  wide_from_double(out, value, w->base);
+  wide_from_double(scratch, w->origin[axis], w->base);
+  wide_subtract(out, out, scratch);
+}
+
+uint32_t exact_add_point(work *w, const double position[3], uint32_t point) {
+  work_vertex vertex = {.point = point};
+  wide *value = &w->scratch[0];
+  for (int k = 0; k < 3; k++) {
+    coordinate(w, value, &w->scratch[1], position[k], k);
+    vertex.p[k] = to_double(value, w->base - w->shift);
+    vertex.exact[k] = keep(w, value);
+  }
+  value->sign = 1;
+  value->length = 1;
+  value->limb[0] = 1;
+  vertex.exact[3] = keep(w, value);
+  list_push(w, &w->vertices, vertex);
+  return (uint32_t)w->vertices.count - 1;
+}
+
+static uint32_t keep_plane(work *w, const wide *normal, const wide *offset, const uint32_t ids[3]) {
+  work_plane plane = {.ids = {ids[0], ids[1], ids[2]}};
+  const int unit = w->base - w->shift;
+  /* An axis plane's coefficients are 1 and a length, a spanned one's areas and a volume. */
+  const int area = ids[0] == CELLIST_NONE ? 0 : 2 * unit, volume = ids[0] == CELLIST_NONE ? unit : 3 * unit;
+  for (int k = 0; k < 3; k++) {
+    plane.normal[k] = to_double(&normal[k], area);
+    plane.exact[k] = keep(w, &normal[k]);
+  }
+  plane.offset = to_double(offset, volume);
+  plane.exact[3] = keep(w, offset);
+  list_push(w, &w->planes, plane);
+  return (uint32_t)w->planes.count - 1;
+}
+
+uint32_t exact_add_plane(work *w, uint32_t a, uint32_t b, uint32_t c) {
+  wide *u = &w->scratch[0], *v = &w->scratch[3], *normal = &w->scratch[6], *origin = &w->scratch[9];
+  wide *offset = &w->scratch[10], *product = &w->scratch[11];
+  for (int k = 0; k < 3; k++) {
+    load(w, origin, w->vertices.items[a].exact[k]);
+    load(w, &u[k], w->vertices.items[b].exact[k]);
+    wide_subtract(&u[k], &u[k], origin);
+    load(w, &v[k], w->vertices.items[c].exact[k]);
+    wide_subtract(&v[k], &v[k], origin);
+  }
+  offset->sign = 0;
+  offset->length = 0;
+  bool spans = false;
+  for (int k = 0; k < 3; k++) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    wide_determinant2(&normal[k], &u[i], &u[j], &v[i], &v[j], product);
+    spans |= normal[k].sign != 0;
+    load(w, origin, w->vertices.items[a].exact[k]);
+    wide_multiply(product, &normal[k], origin);
+    wide_subtract(offset, offset, product);
+  }
+  if (!spans) return CELLIST_NONE;
+  return keep_plane(w, normal, offset, (const uint32_t[3]){a, b, c});
+}
+
+uint32_t exact_add_axis_plane(work *w, uint32_t axis, double offset) {
+  wide *normal = &w->scratch[0], *d = &w->scratch[3];
+  for (uint32_t k = 0; k < 3; k++) {
+    normal[k].sign = normal[k].length = k == axis;
+    normal[k].limb[0] = 1;
+  }
+  coordinate(w, d, &w->scratch[4], offset, (int)axis);
+  d->sign = -d->sign;
+  list_push(w, &w->offsets, offset);
+  return keep_plane(w, normal, d, (const uint32_t[3]){CELLIST_NONE, axis, (uint32_t)w->offsets.count - 1});
+}
+
+/* out = plane(vertex) times the vertex's w. */
+static void evaluate(work *w, wide *out, wide *scratch, const work_vertex *vertex, const work_plane *plane) {
+  wide *a = &scratch[0], *b = &scratch[1], *product = &scratch[2];
+  out->sign = 0;
+  out->length = 0;
+  for (int k = 0; k < 4; k++) {
+    if (vertex->exact[k].length == 0 || plane->exact[k].length == 0) continue;
+    load(w, a, vertex->exact[k]);
+    load(w, b, plane->exact[k]);
+    wide_multiply(product, a, b);
+    wide_add(out, out, product);
+  }
+}
+
+static uint32_t keep_meet(work *w, wide *x, wide *weight) {
+  work_vertex vertex = {.point = CELLIST_NONE};
+  const int flip = weight->sign;
+  for (int k = 0; k < 3; k++) {
+    x[k].sign *= flip;
+    vertex.exact[k] = keep(w, &x[k]);
+  }
+  weight->sign *= flip;
+  for (int k = 0; k < 3; k++) vertex.p[k] = quotient(&x[k], weight, w->base - w->shift);
+  vertex.exact[3] = keep(w, weight);
+  list_push(w, &w->vertices, vertex);
+  return (uint32_t)w->vertices.count - 1;
+}
+
+static uint32_t meet_of_points(work *w, uint32_t a, uint32_t b, uint32_t plane) {
+  wide *at_a = &w->scratch[0], *at_b = &w->scratch[1], *x = &w->scratch[2], *weight = &w->scratch[5];
+  wide *c = &w->scratch[6], *product = &w->scratch[7], *scratch = &w->scratch[8];
+  evaluate(w, at_a, scratch, &w->vertices.items[a], &w->planes.items[plane]);
+  evaluate(w, at_b, scratch, &w->vertices.items[b], &w->planes.items[plane]);
+  wide_subtract(weight, at_b, at_a);
+  for (int k = 0; k < 3; k++) {
+    load(w, c, w->vertices.items[a].exact[k]);
+    wide_multiply(&x[k], c, at_b);
+    load(w, c, w->vertices.items[b].exact[k]);
+    wide_multiply(product, c, at_a);
+    wide_subtract(&x[k], &x[k], product);
+  }
+  return keep_meet(w, x, weight);
+}
+
+static uint32_t meet_of_planes(work *w, const uint32_t planes[3]) {
+  wide *n = &w->scratch[0]; /* n[3 i + k] */
+  wide *d = &w->scratch[9], *x = &w->scratch[12], *weight = &w->scratch[15], *cross = &w->scratch[16];
+  wide *product = &w->scratch[17];
+  for (int i = 0; i < 3; i++) {
+    for (int k = 0; k < 3; k++) load(w, &n[3 * i + k], w->planes.items[planes[i]].exact[k]);
+    load(w, &d[i], w->planes.items[planes[i]].exact[3]);
+  }
+  for (int k = 0; k < 3; k++) x[k].sign = 0, x[k].length = 0;
+  weight->sign = 0;
+  weight->length = 0;
+  for (int i = 0; i < 3; i++) {
+    const wide *p = &n[3 * ((i + 1) % 3)], *q = &n[3 * ((i + 2) % 3)];
+    for (int k = 0; k < 3; k++) {
+      wide_determinant2(cross, &p[(k + 1) % 3], &p[(k + 2) % 3], &q[(k + 1) % 3], &q[(k + 2) % 3], product);
+      wide_multiply(product, &d[i], cross);
+      wide_subtract(&x[k], &x[k], product);
+      if (i > 0) continue;
+      wide_multiply(product, &n[k], cross);
+      wide_add(weight, weight, product);
+    }
+  }
+  return keep_meet(w, x, weight);
+}
+
+uint32_t exact_add_meet(work *w, const work_edge *line, uint32_t plane) {
+  if (line->line_is_points) return meet_of_points(w, line->line[0], line->line[1], plane);
+  return meet_of_planes(w, (const uint32_t[3]){line->line[0], line->line[1], plane});
+}
+
+int exact_side(work *w, uint32_t vertex, uint32_t plane) {
+  const work_vertex *v = &w->vertices.items[vertex];
+  const work_plane *p = &w->planes.items[plane];
+  const double x = p->normal[0] * v->p[0], y = p->normal[1] * v->p[1], z = p->normal[2] * v->p[2];
+  const double value = x + y + z + p->offset;
+  const double error = SIDE_BOUND * (fabs(x) + fabs(y) + fabs(z) + fabs(p->offset));
+  if (error > TINY && fabs(value) > error) return value > 0 ? 1 : -1;
+  if (p->ids[0] != CELLIST_NONE && (vertex == p->ids[0] || vertex == p->ids[1] || vertex == p->ids[2])) return 0;
+  evaluate(w, &w->scratch[0], &w->scratch[1], v, p);
+  return w->scratch[0].sign;
+}
+
+int exact_compare_axis(work *w, uint32_t a, uint32_t b, int axis) {
+  if (a == b) return 0;
+  const work_vertex *p = &w->vertices.items[a], *q = &w->vertices.items[b];
+  const double difference = p->p[axis] - q->p[axis];
+  const double error = COMPARE_BOUND * (fabs(p->p[axis]) + fabs(q->p[axis]));
+  if (error > TINY && fabs(difference) > error) return difference > 0 ? 1 : -1;
+  wide *left = &w->scratch[0], *right = &w->scratch[1], *x = &w->scratch[2], *y = &w->scratch[3];
+  load(w, x, p->exact[axis]);
+  load(w, y, q->exact[3]);
+  wide_multiply(left, x, y);
+  load(w, x, q->exact[axis]);
+  load(w, y, p->exact[3]);
+  wide_multiply(right, x, y);
+  wide_subtract(left, left, right);
+  return left->sign;
+}
+
+int exact_compare(work *w, uint32_t a, uint32_t b) {
+  for (int axis = 0; axis < 3; axis++) {
+    const int sign = exact_compare_axis(w, a, b, axis);
+    if (sign != 0) return sign;
+  }
+  return 0;
+}
+
+int exact_cross(work *w, uint32_t plane_a, uint32_t plane_b, int k) {
+  const work_plane *a = &w->planes.items[plane_a], *b = &w->planes.items[plane_b];
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  const double left = a->normal[i] * b->normal[j], right = a->normal[j] * b->normal[i];
+  const double error = CROSS_BOUND * (fabs(left) + fabs(right));
+  if (error > TINY && fabs(left - right) > error) return left > right ? 1 : -1;
+  wide *n = &w->scratch[0];
+  load(w, &n[0], a->exact[i]);
+  load(w, &n[1], a->exact[j]);
+  load(w, &n[2], b->exact[i]);
+  load(w, &n[3], b->exact[j]);
+  wide_determinant2(&n[4], &n[0], &n[1], &n[2], &n[3], &n[5]);
+  return n[4].sign;
+}
+
+int exact_same_direction(const work *w, uint32_t plane_a, uint32_t plane_b) {
+  const work_plane *a = &w->planes.items[plane_a], *b = &w->planes.items[plane_b];
+  int k = 0;
+  for (int i = 1; i < 3; i++)
+    if (fabs(a->normal[i]) > fabs(a->normal[k])) k = i;
+  return (a->exact[k].length > 0) == (b->exact[k].length > 0) ? 1 : -1;
+}
+
+int exact_volume_sign(work *w, const uint32_t *triangles, size_t count) {
+  wide *p = &w->scratch[0], *cross = &w->scratch[9], *product = &w->scratch[10], *sum = &w->scratch[11];
+  sum->sign = 0;
+  sum->length = 0;
+  for (size_t t = 0; t < count; t++) {
+    for (int c = 0; c < 3; c++)
+      for (int k = 0; k < 3; k++) load(w, &p[3 * c + k], w->vertices.items[triangles[3 * t + (size_t)c]].exact[k]);
+    for (int k = 0; k < 3; k++) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      wide_determinant2(cross, &p[3 + i], &p[3 + j], &p[6 + i], &p[6 + j], product);
+      wide_multiply(product, cross, &p[k]);
+      wide_add(sum, sum, product);
+    }
+  }
+  return sum->sign;
+}
+
+/* out[0], out[1]: 1024 y - shear[0] x and 1024 z - shear[1] x, over out[2]. */
+static void shear_exactly(work *w, const int shear[2], uint32_t vertex, wide *out) {
+  wide *x = &w->scratch[12], *factor = &w->scratch[13], *product = &w->scratch[14], *y = &w->scratch[15];
+  const work_vertex *v = &w->vertices.items[vertex];
+  load(w, x, v->exact[0]);
+  factor->length = 1;
+  for (int k = 0; k < 2; k++) {
+    load(w, y, v->exact[1 + k]);
+    factor->sign = 1;
+    factor->limb[0] = 1024;
+    wide_multiply(&out[k], y, factor);
+    factor->limb[0] = (uint64_t)shear[k]; /* positive */
+    wide_multiply(product, x, factor);
+    wide_subtract(&out[k], &out[k], product);
+  }
+  load(w, &out[2], v->exact[3]);
+}
+
+static void shear_rounded(const work *w, const int shear[2], uint32_t vertex, double out[2], double *magnitude) {
+  const double *p = w->vertices.items[vertex].p;
+  for (int k = 0; k < 2; k++) {
+    out[k] = 1024 * p[1 + k] - shear[k] * p[0];
+    *magnitude = fmax(*magnitude, fabs(1024 * p[1 + k]) + fabs(shear[k] * p[0]));
+  }
+}
+
+int exact_sheared_compare(work *w, const int shear[2], uint32_t a, uint32_t q) {
+  double p[2], r[2], magnitude = 0;
+  shear_rounded(w, shear, a, p, &magnitude);
+  shear_rounded(w, shear, q, r, &magnitude);
+  if (magnitude > TINY && fabs(p[1] - r[1]) > TURN_BOUND * magnitude) return p[1] > r[1] ? 1 : -1;
+  wide *x = &w->scratch[0], *y = &w->scratch[3], *left = &w->scratch[6], *right = &w->scratch[7];
+  shear_exactly(w, shear, a, x);
+  shear_exactly(w, shear, q, y);
+  wide_multiply(left, &x[1], &y[2]);
+  wide_multiply(right, &y[1], &x[2]);
+  wide_subtract(left, left, right);
+  return left->sign;
+}
+
+int exact_sheared_turn(work *w, const int shear[2], uint32_t a, uint32_t b, uint32_t q) {
+  double p[2], r[2], s[2], magnitude = 0;
+  shear_rounded(w, shear, a, p, &magnitude);
+  shear_rounded(w, shear, b, r, &magnitude);
+  shear_rounded(w, shear, q, s, &magnitude);
+  const double turn = (r[0] - p[0]) * (s[1] - p[1]) - (r[1] - p[1]) * (s[0] - p[0]);
+  if (magnitude > TINY && fabs(turn) > TURN_BOUND * 8 * magnitude * magnitude) return turn > 0 ? 1 : -1;
+  wide *v = &w->scratch[0], *minor = &w->scratch[9], *product = &w->scratch[10], *sum = &w->scratch[11];
+  shear_exactly(w, shear, a, &v[0]);
+  shear_exactly(w, shear, b, &v[3]);
+  shear_exactly(w, shear, q, &v[6]);
+  sum->sign = 0;
+  sum->length = 0;
+  for (int k = 0; k < 3; k++) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    wide_determinant2(minor, &v[3 + i], &v[3 + j], &v[6 + i], &v[6 + j], product);
+    wide_multiply(product, minor, &v[k]);
+    wide_add(sum, sum, product);
+  }
+  return sum->sign;
+}
+
+int exact_turn(work *w, int axis, uint32_t a, uint32_t b, uint32_t q) {
+  const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+  const uint32_t id[3] = {a, b, q};
+  const double *p = w->vertices.items[a].p, *r = w->vertices.items[b].p, *s = w->vertices.items[q].p;
+  const double magnitude = fmax(fmax(fabs(p[x]) + fabs(p[y]), fabs(r[x]) + fabs(r[y])), fabs(s[x]) + fabs(s[y]));
+  const double left = (r[x] - p[x]) * (s[y] - p[y]), right = (r[y] - p[y]) * (s[x] - p[x]);
+  /* Each difference is off by 12 U of the magnitude: times the other factor, and twice. */
+  const double error =
+      TURN_BOUND * magnitude *
+      (fabs(r[x] - p[x]) + fabs(s[y] - p[y]) + fabs(r[y] - p[y]) + fabs(s[x] - p[x]) + 64 * 0x1p-53 * magnitude);
+  if (error > TINY && fabs(left - right) > error) return left > right ? 1 : -1;
+  wide *v = &w->scratch[0], *minor = &w->scratch[9], *product = &w->scratch[10], *sum = &w->scratch[11];
+  for (int i = 0; i < 3; i++) {
+    load(w, &v[3 * i], w->vertices.items[id[i]].exact[x]);
+    load(w, &v[3 * i + 1], w->vertices.items[id[i]].exact[y]);
+    load(w, &v[3 * i + 2], w->vertices.items[id[i]].exact[3]);
+  }
+  sum->sign = 0;
+  sum->length = 0;
+  for (int k = 0; k < 3; k++) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    wide_determinant2(minor, &v[3 + i], &v[3 + j], &v[6 + i], &v[6 + j], product);
+    wide_multiply(product, minor, &v[k]);
+    wide_add(sum, sum, product);
+  }
+  return sum->sign;
+}
+
+int exact_plane_along(work *w, const int shear[2], uint32_t plane) {
+  wide *n = &w->scratch[0], *factor = &w->scratch[1], *product = &w->scratch[2], *sum = &w->scratch[3];
+  const uint64_t direction[3] = {1024, (uint64_t)shear[0], (uint64_t)shear[1]};
+  sum->sign = 0;
+  sum->length = 0;
+  for (int k = 0; k < 3; k++) {
+    load(w, n, w->planes.items[plane].exact[k]);
+    factor->sign = 1;
+    factor->length = 1;
+    factor->limb[0] = direction[k];
+    wide_multiply(product, n, factor);
+    wide_add(sum, sum, product);
+  }
+  return sum->sign;
+}
+
+void exact_position(const work *w, uint32_t vertex, double position[3]) {
+  const work_vertex *v = &w->vertices.items[vertex];
+  for (int k = 0; k < 3; k++) position[k] = w->origin[k] + ldexp(v->p[k], w->shift);
+}

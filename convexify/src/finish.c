@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Finish: checks what was made and hands it over as a complex. Between two cells all facets of a plane become one
+ * polygon (the meet of two convex polygons is convex, so one loop remains once inner edges cancel; anything else is an
+ * error, never a wrong complex). */
+#include "work.h"
+
+typedef struct facet_key {
+  uint32_t low, high, plane, facet;
+} facet_key;
+
+static int compare_facet_keys(const void *a, const void *b) {
+  const uint32_t *x = a, *y = b;
+  for (int i = 0; i < 4; i++)
+    if (x[i] != y[i]) return x[i] < y[i] ? -1 : 1;
+  return 0;
+}
+
+static void count_violations(work *w) {
+  w->stats.convexity_violations = 0;
+  for (size_t f = 0; f < w->facets.count; f++)
+    for (int side = 0; side < 2; side++) {
+      const uint32_t cell = w->facets.items[f].cells[side];
+      if (cell == CELLIST_NONE || cell < w->mesh->tet_count) continue;
+      for (uint32_t u = w->facets.items[f].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+        const work_event mate = sector_mate(w, u, side);
+        const work_event own = {u, (uint32_t)f, (uint8_t)side, w->uses.items[u].forward ? 1 : -1, !mate.closing};
+        if (!mate.closing) continue;
+        w->stats.convexity_violations += sector_angle(w, w->uses.items[u].edge, &own, &mate) < 0;
+      }
+    }
+}
+
+/* Numbers the pieces that are still in use. */
+static void number_pieces(work *w, id_list *number, size_t *count) {
+  const uint32_t base = (uint32_t)w->mesh->tet_count;
+  work_reserve(w, number, w->pieces.count, sizeof *number->items);
+  memset(number->items, 0xff, w->pieces.count * sizeof *number->items);
+  for (size_t f = 0; f < w->facets.count; f++)
+    for (int side = 0; side < 2; side++) {
+      const uint32_t cell = w->facets.items[f].cells[side];
+      if (cell != CELLIST_NONE && cell >= base) number->items[cell - base] = 0;
+    }
+  *count = 0;
+  for (size_t p = 0; p < w->pieces.count; p++)
+    if (number->items[p] == 0) number->items[p] = (uint32_t)(*count)++;
+}
+
+static uint32_t numbered(const work *w, const id_list *number, uint32_t cell) {
+  const uint32_t base = (uint32_t)w->mesh->tet_count;
+  return cell == CELLIST_NONE || cell < base ? cell : base + number->items[cell - base];
+}
+
+static void add_contacts(work *w) {
+  for (size_t i = 0; i < w->contacts.count; i += 5) {
+    const uint32_t *contact = &w->contacts.items[i];
+    const uint32_t plane = exact_add_plane(w, contact[2], contact[3], contact[4]);
+    if (plane == CELLIST_NONE) continue; /* no area: nothing passes through it */
+    const uint32_t facet = work_add_facet(w, plane, contact[1], contact[0]);
+    for (int k = 0; k < 3; k++) {
+      const uint32_t a = contact[2 + k], b = contact[2 + (k + 1) % 3];
+      work_add_use(w, facet, work_add_edge(w, a, b, a, b, true), true);
+    }
+  }
+}
+
+#include <stdio.h>
+_Noreturn static void fail_polygon(work *w, uint32_t a, uint32_t b) {
+  fprintf(stderr, "violations %zu; hits %zu sorted %zu\n", w->stats.convexity_violations, w->hits.count,
+          w->sorted.count);
+  for (size_t i = 0; i < w->hits.count; i += 2) {
+    const double *p = w->vertices.items[w->hits.items[i]].p;
+    fprintf(stderr, "%u->%u  %.17g %.17g %.17g\n", w->hits.items[i], w->hits.items[i + 1], p[0], p[1], p[2]);
+  }
+
+  cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
+               "convexify: cells %u and %u of the complex do not meet in one polygon", a, b);
+  work_fail(w, CELLIST_ERROR_GEOMETRY);
+}
+
+/* w->hits: from, to of each edge of the group's outline, counter-clockwise about the plane; w->sorted: its corners. */
+static void trace_polygon(work *w, const facet_key *keys, size_t count, uint32_t plane) {
+  id_list *hits = &w->hits;
+  hits->count = 0;
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t facet = keys[i].facet, own = w->facets.items[facet].plane;
+    const bool same = own == plane || exact_same_direction(w, own, plane) > 0;
+    for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+      const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
+      const bool forward = w->uses.items[u].forward == same;
+      const uint32_t from = v[forward ? 0 : 1], to = v[forward ? 1 : 0];
+      size_t j = 0;
+      while (j < hits->count && (hits->items[j] != to || hits->items[j + 1] != from)) j += 2;
+      if (j < hits->count) { /* used both ways: inside the polygon */
+        hits->items[j] = hits->items[hits->count - 2];
+        hits->items[j + 1] = hits->items[hits->count - 1];
+        hits->count -= 2;
+      } else {
+        list_push(w, hits, from);
+        list_push(w, hits, to);
+      }
+    }
+  }
+  w->sorted.count = 0;
+  if (hits->count < 6) fail_polygon(w, keys->low, keys->high);
+  uint32_t at = hits->items[0];
+  do {
+    list_push(w, &w->sorted, at);
+    size_t j = 0;
+    while (j < hits->count && hits->items[j] != at) j += 2;
+    if (j == hits->count || w->sorted.count > hits->count / 2) fail_polygon(w, keys->low, keys->high);
+    at = hits->items[j + 1];
+  } while (at != hits->items[0]);
+  if (w->sorted.count != hits->count / 2) fail_polygon(w, keys->low, keys->high);
+}
+
+static double polygon_volume(const work *w, const uint32_t *corners, size_t count) {
+  double volume = 0;
+  const double *o = w->vertices.items[corners[0]].p;
+  for (size_t i = 1; i + 1 < count; i++) {
+    const double *p = w->vertices.items[corners[i]].p, *q = w->vertices.items[corners[i + 1]].p;
+    for (int k = 0; k < 3; k++) {
+      const int j = (k + 1) % 3, l = (k + 2) % 3;
+      volume += o[k] * (p[j] * q[l] - p[l] * q[j]);
+    }
+  }
+  return volume / 6;
+}
+
+static double cubed_unit(const work *w) { return ldexp(1, 3 * w->shift); }
+
+static void measure_mesh(work *w) {
+  const cellist_mesh_arrays *mesh = w->mesh;
+  long double sum = 0;
+  for (size_t t = 0; t < mesh->tet_count; t++) {
+    double e[3][3];
+    for (int c = 0; c < 3; c++)
+      for (int k = 0; k < 3; k++)
+        e[c][k] = ldexp(mesh->positions[3 * (size_t)mesh->tets[4 * t + 1 + (size_t)c] + (size_t)k] -
+                            mesh->positions[3 * (size_t)mesh->tets[4 * t] + (size_t)k],
+                        -w->shift);
+    double volume = 0;
+    for (int k = 0; k < 3; k++) {
+      const int j = (k + 1) % 3, l = (k + 2) % 3;
+      volume += e[0][k] * (e[1][j] * e[2][l] - e[1][l] * e[2][j]);
+    }
+    sum += volume / 6;
+  }
+  w->stats.mesh_volume = (double)sum;
+  sum = 0;
+  for (size_t t = 0; t < w->hull.count; t++) sum += polygon_volume(w, w->hull.items[t].v, 3);
+  w->stats.hull_volume = (double)sum;
+}
+
+void finish(work *w, cellist_complex **complex) {
+  count_violations(w);
+  add_contacts(w);
+  const uint32_t base = (uint32_t)w->mesh->tet_count;
+  size_t imaginary_count = 0;
+  id_list *number = &w->ids;
+  number_pieces(w, number, &imaginary_count);
+
+  facet_key *keys = w->block_scratch = cellist_allocate(w->context, w->facets.count, sizeof *keys);
+  if (keys == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  size_t count = 0;
+  for (size_t f = 0; f < w->facets.count; f++) {
+    const uint32_t a = numbered(w, number, w->facets.items[f].cells[0]),
+                   b = numbered(w, number, w->facets.items[f].cells[1]);
+    if (a == b) continue; /* merged away */
+    /* Two cells meet in one plane, whatever its number; the outside is no cell. */
+    const bool outer = a == CELLIST_NONE || b == CELLIST_NONE;
+    keys[count++] = (facet_key){a < b ? a : b, a < b ? b : a, outer ? w->facets.items[f].plane : 0, (uint32_t)f};
+  }
+  qsort(keys, count, sizeof *keys, compare_facet_keys);
+
+  output *out = &w->out;
+  double_list *volumes = &w->box_scratch;
+  work_reserve(w, volumes, imaginary_count, sizeof(double));
+  for (size_t i = 0; i < imaginary_count; i++) volumes->items[i] = 0;
+  id_list *plane_number = &w->touched, *vertex_number = &w->split;
+  work_reserve(w, plane_number, w->planes.count, sizeof(uint32_t));
+  work_reserve(w, vertex_number, w->vertices.count, sizeof(uint32_t));
+  memset(plane_number->items, 0xff, w->planes.count * sizeof(uint32_t));
+  memset(vertex_number->items, 0xff, w->vertices.count * sizeof(uint32_t));
+  list_push(w, &out->starts, 0);
+  for (size_t begin = 0, end; begin < count; begin = end) {
+    for (end = begin + 1; end < count && memcmp(&keys[begin], &keys[end], 3 * sizeof(uint32_t)) == 0; end++) {
+    }
+    const work_facet *facet = &w->facets.items[keys[begin].facet];
+    const uint32_t plane = facet->plane;
+    const uint32_t cells[2] = {numbered(w, number, facet->cells[0]), numbered(w, number, facet->cells[1])};
+    trace_polygon(w, &keys[begin], end - begin, plane);
+    if (plane_number->items[plane] == CELLIST_NONE) {
+      plane_number->items[plane] = (uint32_t)(out->planes.count / 3);
+      for (int k = 0; k < 3; k++) {
+        const uint32_t id = w->planes.items[plane].ids[k];
+        const bool spanned = w->planes.items[plane].ids[0] != CELLIST_NONE;
+        list_push(w, &out->planes, spanned ? w->vertices.items[id].point : id);
+      }
+    }
+    list_push(w, &out->facet_planes, plane_number->items[plane]);
+    for (int side = 0; side < 2; side++) list_push(w, &out->cells, cells[side]);
+    const double volume = polygon_volume(w, w->sorted.items, w->sorted.count);
+    for (int side = 0; side < 2; side++)
+      if (cells[side] != CELLIST_NONE && cells[side] >= base)
+        volumes->items[cells[side] - base] += side == 0 ? -volume : volume;
+    for (size_t i = 0; i < w->sorted.count; i++) {
+      const uint32_t v = w->sorted.items[i];
+      if (vertex_number->items[v] == CELLIST_NONE) {
+        vertex_number->items[v] = (uint32_t)(out->vertices.count / 3);
+        double p[3];
+        const uint32_t point = w->vertices.items[v].point;
+        if (point < w->mesh->point_count)
+          memcpy(p, &w->mesh->positions[3 * (size_t)point], sizeof p);
+        else if (point != CELLIST_NONE)
+          memcpy(p, &w->added_points.items[3 * (point - w->mesh->point_count)], sizeof p);
+        else
+          exact_position(w, v, p);
+        for (int k = 0; k < 3; k++) list_push(w, &out->vertices, p[k]);
+      }
+      list_push(w, &out->corners, vertex_number->items[v]);
+    }
+    list_push(w, &out->starts, (uint32_t)out->corners.count);
+  }
+
+  measure_mesh(w);
+  long double sum = 0;
+  for (size_t i = 0; i < imaginary_count; i++) sum += volumes->items[i];
+  cellist_convexify_stats *stats = &w->stats;
+  stats->imaginary_volume = (double)sum;
+  stats->volume_error =
+      stats->hull_volume > 0 ? fabs((double)(sum - (stats->hull_volume - stats->mesh_volume))) / stats->hull_volume : 0;
+  stats->hull_volume *= cubed_unit(w);
+  stats->mesh_volume *= cubed_unit(w);
+  stats->imaginary_volume *= cubed_unit(w);
+  stats->imaginary_cells = imaginary_count;
+  stats->facets = out->facet_planes.count;
+  stats->planes = out->planes.count / 3;
+
+  for (size_t i = 0; i < 3 * w->mesh->point_count; i++) list_push(w, &out->points, w->mesh->positions[i]);
+  for (size_t i = 0; i < w->added_points.count; i++) list_push(w, &out->points, w->added_points.items[i]);
+  const cellist_complex_arrays arrays = {.tet_count = base,
+                                         .cell_count = base + imaginary_count,
+                                         .point_count = out->points.count / 3,
+                                         .points = out->points.items,
+                                         .offset_count = w->offsets.count,
+                                         .offsets = w->offsets.items,
+                                         .plane_count = out->planes.count / 3,
+                                         .planes = out->planes.items,
+                                         .facet_count = out->facet_planes.count,
+                                         .facet_planes = out->facet_planes.items,
+                                         .facet_cells = out->cells.items,
+                                         .facet_starts = out->starts.items,
+                                         .facet_vertices = out->corners.items,
+                                         .vertex_count = out->vertices.count / 3,
+                                         .vertices = out->vertices.items};
+  const cellist_result result = cellist_complex_create(w->context, &arrays, complex);
+  if (result != CELLIST_SUCCESS) work_fail(w, result);
+}

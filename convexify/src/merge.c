@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Merge: joins neighbouring pieces whose union is convex. Two convex pieces meet in one convex polygon of one plane;
+ * their union is convex if at every edge around it the two outer facets make at most 180 degrees. If the polygon were
+ * only part of a side, that side would go on at 180 degrees by itself, so the test covers this too. spx: 804 to 785. */
+#include "work.h"
+
+static bool shares(const work *w, uint32_t facet, uint32_t cell_a, uint32_t cell_b) {
+  const uint32_t *cells = w->facets.items[facet].cells;
+  return (cells[0] == cell_a && cells[1] == cell_b) || (cells[0] == cell_b && cells[1] == cell_a);
+}
+
+/* Whether the two stay convex together at all edges of this common facet that border on other facets. */
+static bool fits_at(work *w, uint32_t facet, uint32_t cell_a, uint32_t cell_b) {
+  const int side_a = w->facets.items[facet].cells[0] == cell_a ? 0 : 1;
+  for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+    const work_event a = sector_mate(w, u, side_a), b = sector_mate(w, u, 1 - side_a);
+    if (shares(w, a.facet, cell_a, cell_b) || shares(w, b.facet, cell_a, cell_b)) {
+      if (a.facet != b.facet) return false;
+      continue;
+    }
+    if (a.closing == b.closing || sector_angle(w, w->uses.items[u].edge, a.closing ? &b : &a, a.closing ? &a : &b) < 0)
+      return false;
+  }
+  return true;
+}
+
+static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
+  const uint32_t base = (uint32_t)w->mesh->tet_count;
+  if (w->pieces.items[cell_a - base].members.count < w->pieces.items[cell_b - base].members.count) {
+    const uint32_t swap = cell_a;
+    cell_a = cell_b;
+    cell_b = swap;
+  }
+  id_list *members = &w->pieces.items[cell_b - base].members;
+  size_t kept = 0;
+  for (size_t i = 0; i < members->count; i++) {
+    const uint32_t member = members->items[i];
+    if (w->facets.items[member / 2].cells[member % 2] == cell_b) members->items[kept++] = member;
+  }
+  members->count = kept;
+  for (size_t i = 0; i < kept; i++) {
+    const uint32_t facet = members->items[i] / 2;
+    if (shares(w, facet, cell_a, cell_b) && !fits_at(w, facet, cell_a, cell_b)) return false;
+  }
+  for (size_t i = 0; i < kept; i++) {
+    const uint32_t member = members->items[i];
+    work_facet *f = &w->facets.items[member / 2];
+    if (shares(w, member / 2, cell_a, cell_b)) {
+      f->cells[0] = f->cells[1] = CELLIST_NONE;
+    } else {
+      f->cells[member % 2] = cell_a;
+      list_push(w, &w->pieces.items[cell_a - base].members, member);
+    }
+  }
+  members->count = 0;
+  w->stats.merges++;
+  return true;
+}
+
+void pieces_merge(work *w) {
+  const uint32_t base = (uint32_t)w->mesh->tet_count;
+  bool changed = true;
+  while (changed) {
+    changed = false;
+    for (uint32_t f = 0; f < w->facets.count; f++) {
+      const uint32_t a = w->facets.items[f].cells[0], b = w->facets.items[f].cells[1];
+      if (a == CELLIST_NONE || b == CELLIST_NONE || a < base || b < base || a == b) continue;
+      changed |= fits_at(w, f, a, b) && try_merge(w, a, b);
+    }
+  }
+}

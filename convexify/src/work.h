@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Work: the state of one convexification, shared by convexify's own files. Private to the folder.
+ *
+ * The exterior is a set of pieces, each bounded by facets. A facet lies in a plane and is an unordered set of directed
+ * edge uses, counter-clockwise seen from the plane's positive side; holes and slits need no special case. It has a cell
+ * on either side: a tet, a piece (tet_count + its index) or CELLLIST_NONE, outside. Edges and vertices are shared by
+ * all facets that touch them, so the whole stays conforming: an edge split once is split for everyone.
+ *
+ * Failure (no memory, cancelled, inconsistent input) leaves by longjmp to the one entry that owns the work and frees
+ * it: every block hangs on the work, so nothing leaks, and the geometry reads as geometry. No C++ frame is ever
+ * crossed. */
+#ifndef CELLIST_CONVEXIFY_WORK_H
+#define CELLIST_CONVEXIFY_WORK_H
+
+#include <base/random.h>
+#include <base/wide.h>
+#include <cellist/complex.h>
+#include <cellist/convexify.h>
+#include <setjmp.h>
+#include <stdlib.h>
+
+#define LIST(type)          \
+  struct {                  \
+    type *items;            \
+    size_t count, capacity; \
+  }
+
+typedef LIST(uint32_t) id_list;
+typedef LIST(double) double_list;
+typedef LIST(uint64_t) key_list;
+
+/* An exact integer in the pool of limbs: sign times the number of limbs, and where they begin. */
+typedef struct exact_number {
+  int32_t length;
+  uint32_t offset;
+} exact_number;
+
+/* n.x + d, exact in integers and rounded in the work's own unit; positive on the side that orient3d calls positive. */
+typedef struct work_plane {
+  double normal[3], offset;
+  exact_number exact[4];
+  uint32_t ids[3]; /* vertices (all of them points), or CELLIST_NONE, axis, index of the offset */
+} work_plane;
+
+/* A point of the input, or a meet: exact as x y z over w > 0, and rounded, relative to the work's origin. */
+typedef struct work_vertex {
+  double p[3];
+  exact_number exact[4];
+  uint32_t point; /* id among the complex's points, or CELLIST_NONE */
+  uint32_t stamp; /* the cut for which sign holds */
+  uint32_t visited;
+  int8_t sign;
+} work_vertex;
+
+typedef struct work_edge {
+  uint32_t v[2];
+  uint32_t first_use;
+  uint32_t line[2]; /* two vertices that are points, or two planes */
+  uint32_t stamp;
+  uint32_t visited;
+  bool line_is_points;
+  bool reflex; /* some piece may be reflex here: only edges of the input's boundary */
+} work_edge;
+
+typedef struct work_use {
+  uint32_t edge, facet, next_in_edge, next_in_facet;
+  bool forward; /* from v[0] to v[1] */
+} work_use;
+
+typedef struct work_facet {
+  uint32_t plane, first_use;
+  uint32_t cells[2]; /* on the plane's positive side, on its negative one */
+  uint32_t shell;    /* the inward shell it belongs to, from 1; 0: none */
+  uint32_t mark[2];  /* per side: component of the search with this facet's stamp */
+  uint32_t stamp[2];
+} work_facet;
+
+typedef struct work_piece {
+  id_list members; /* 2 facet + side; stale entries (relabelled since) are dropped when met */
+  id_list reflex;  /* edges; stale entries likewise */
+  id_list shells;  /* inward shells not yet joined to the rest: a member of each */
+} work_piece;
+
+/* One use of an edge by a facet that has the cell in question on the given side. */
+typedef struct work_event {
+  uint32_t use, facet;
+  uint8_t side;
+  int8_t direction;
+  bool closing; /* turning counter-clockwise about the edge, the cell ends here; else it begins */
+} work_event;
+
+typedef struct cap_use {
+  uint32_t edge, from, to, next, loop;
+  uint32_t use; /* of a facet that falls apart */
+  bool forward;
+} cap_use;
+
+typedef struct cap_loop {
+  uint32_t first, outer, top, facet;
+  double area;
+  bool hole;
+} cap_loop;
+
+typedef struct search_component {
+  uint32_t parent, pending, done_first, done_last, count, pending_last;
+  int sign;
+  bool finished;
+} search_component;
+
+typedef struct search_part {
+  int sign; /* the side of the cut */
+  uint32_t piece;
+} search_part;
+
+typedef struct search_node {
+  uint32_t member, next;
+} search_node;
+
+typedef struct boundary_face {
+  uint32_t v[3]; /* vertices, counter-clockwise from outside the tet */
+  uint32_t tet;
+  uint32_t plane;
+} boundary_face;
+
+typedef struct hull_face {
+  uint32_t v[3]; /* vertices, counter-clockwise from outside */
+  uint32_t plane;
+} hull_face;
+
+/* What lies on the hull's sides: see exterior.c. */
+typedef struct hull_sides {
+  key_list on;    /* vertex << 32 | plane, sorted: every vertex on every hull side */
+  id_list start;  /* per vertex, into on */
+  key_list chain; /* plane << 32 | edge << 1 | backward: the sides' chains of edges, to be summed */
+  key_list by_plane;
+} hull_sides;
+
+/* The arrays of the complex to be. */
+typedef struct output {
+  double_list points, vertices;
+  id_list planes, facet_planes, cells, starts, corners;
+} output;
+
+typedef struct work {
+  cellist_context *context;
+  jmp_buf failed;
+  cellist_result result;
+  const cellist_mesh_arrays *mesh;
+  cellist_convexify_desc desc;
+  random_state random;
+
+  /* exact.c: lengths are integers times 2^base, and doubles times 2^-shift, both from the origin. */
+  int base, shift;
+  double origin[3];
+  LIST(uint64_t) limbs;
+  LIST(work_plane) planes;
+  LIST(work_vertex) vertices;
+  LIST(double) offsets;
+  wide scratch[24];
+
+  /* boundary.c */
+  LIST(double) added_points;
+  id_list point_vertex; /* per mesh point: its vertex, or CELLIST_NONE */
+  LIST(boundary_face) boundary;
+  id_list contacts; /* tet, tet, 3 vertices counter-clockwise from outside the first */
+  LIST(hull_face) hull;
+
+  LIST(work_edge) edges;
+  LIST(work_use) uses;
+  LIST(work_facet) facets;
+  LIST(work_piece) pieces;
+  id_list edge_table;                       /* hash of input edges by their end points */
+  id_list input_reflex_start, input_reflex; /* per input vertex: other ends of reflex input edges */
+
+  /* scratch of one cut */
+  uint32_t epoch, epoch_edges;
+  id_list touched, ids, split, on_plane, zeros;
+  LIST(work_event) events, upper, lower;
+  LIST(cap_use) cap_uses;
+  LIST(cap_loop) cap_loops;
+  int cap_axis, cap_sign; /* the projection in which turns are taken, and its sense */
+  id_list cap_facets;
+  LIST(search_component) components;
+  LIST(search_node) nodes;
+  LIST(search_part) parts;
+  id_list sorted;
+  id_list hits;
+  double_list box_scratch, node_scratch;
+  hull_sides sides;
+  void *block_scratch;    /* one temporary block, freed with the work if a failure leaves it behind */
+  uint32_t *side_scratch; /* per boundary face: its hull side */
+
+  output out;
+  cellist_convexify_stats stats;
+} work;
+
+/* Leaves to the owner of the work with this result; the context has the message. */
+_Noreturn void work_fail(work *w, cellist_result result);
+
+/* Room for count items; the new ones are undefined. */
+void work_reserve(work *w, void *list, size_t count, size_t size);
+#define list_push(w, list, ...)                                                                                     \
+  (((list)->count == (list)->capacity ? work_reserve(w, list, (list)->count + 1, sizeof *(list)->items) : (void)0), \
+   (list)->items[(list)->count++] = (__VA_ARGS__))
+void work_release(work *w);
+
+/* ---- exact.c ------------------------------------------------------------------------------------- */
+
+/* Chooses origin and units for coordinates within bounds with this lowest exponent. */
+void exact_begin(work *w, const double bounds[6], int lowest_exponent);
+uint32_t exact_add_point(work *w, const double position[3], uint32_t point);
+/* CELLIST_NONE if the three are on one line. */
+uint32_t exact_add_plane(work *w, uint32_t a, uint32_t b, uint32_t c);
+uint32_t exact_add_axis_plane(work *w, uint32_t axis, double offset);
+/* Where a line (through two points, or of two planes) meets a plane that it crosses. */
+uint32_t exact_add_meet(work *w, const work_edge *line, uint32_t plane);
+int exact_side(work *w, uint32_t vertex, uint32_t plane);
+/* Sign of a's coordinate minus b's; of the first that differs in x, y, z. */
+int exact_compare_axis(work *w, uint32_t a, uint32_t b, int axis);
+int exact_compare(work *w, uint32_t a, uint32_t b);
+/* Sign of component k of the cross product of two planes' normals. */
+int exact_cross(work *w, uint32_t plane_a, uint32_t plane_b, int k);
+/* For planes known to be parallel: whether their normals agree (1) or oppose (-1). */
+int exact_same_direction(const work *w, uint32_t plane_a, uint32_t plane_b);
+/* Sign of the volume between the origin and these triangles: 3 vertices each, all points. */
+int exact_volume_sign(work *w, const uint32_t *triangles, size_t count);
+/* The turn a, b, q with the axis left out. */
+int exact_turn(work *w, int axis, uint32_t a, uint32_t b, uint32_t q);
+/* Seen along (1024, shear[0], shear[1]): sign of the turn a, b, q; sign of a's height minus q's; where the line meets.
+ */
+int exact_sheared_turn(work *w, const int shear[2], uint32_t a, uint32_t b, uint32_t q);
+int exact_sheared_compare(work *w, const int shear[2], uint32_t a, uint32_t q);
+int exact_plane_along(work *w, const int shear[2], uint32_t plane);
+void exact_position(const work *w, uint32_t vertex, double position[3]);
+
+/* Offsets that convexify itself chooses (boxes, grids) are multiples of the extent's power of two less these bits. */
+enum { ADDED_BITS = 12 };
+
+/* ---- boundary.c, embedded.c, hull.c: what encloses the exterior --------------------------------------------- */
+
+/* The mesh's boundary faces on vertices that are points, equal points merged, faces in contact paired. */
+void boundary_gather(work *w);
+/* Fails with GEOMETRY, naming cells, if boundary faces cross or touch other than at shared vertices and edges. */
+void boundary_check_embedded(work *w);
+void hull_gather(work *w);
+void box_gather(work *w);
+
+/* ---- exterior.c: facets and pieces of the uncut exterior ---------------------------------------------------- */
+
+void exterior_build(work *w);
+uint32_t work_add_edge(work *w, uint32_t a, uint32_t b, uint32_t line_a, uint32_t line_b, bool line_is_points);
+uint32_t work_add_facet(work *w, uint32_t plane, uint32_t front, uint32_t back);
+void work_add_use(work *w, uint32_t facet, uint32_t edge, bool forward);
+uint32_t work_add_piece(work *w);
+
+/* ---- sectors.c: what is around an edge ------------------------------------------------------------------------ */
+
+/* Sign of the turn from plane a's normal to plane b's about the edge's direction. */
+int sector_turn(work *w, uint32_t edge, uint32_t plane_a, uint32_t plane_b);
+/* Fills w->events with the cell's events at the edge, in counter-clockwise order, a begin first if there are any. */
+void sectors_gather(work *w, uint32_t edge, uint32_t cell);
+/* The event of the same sector as this use's side. */
+work_event sector_mate(work *w, uint32_t use, int side);
+/* -1: the sector between the two is above 180 degrees; 0: equal; 1: below. begin opens and end closes it. */
+int sector_angle(work *w, uint32_t edge, const work_event *begin, const work_event *end);
+/* The piece that is reflex at the edge, as a cell, or CELLIST_NONE. */
+uint32_t sector_reflex_cell(work *w, uint32_t edge);
+
+/* ---- cut.c, caps.c, search.c, locate.c ------------------------------------------------------------------------ */
+
+/* Cuts a piece by a plane; false if the plane does not pass through it. New pieces are appended. */
+bool piece_cut(work *w, uint32_t piece, uint32_t plane);
+/* Makes facets of w->cap_uses, each a connected region; both sides are the piece's. Fills w->cap_facets. */
+void caps_make(work *w, uint32_t plane, uint32_t cell);
+/* Makes a facet of each connected region of this one; the new ones join w->touched. */
+void facet_part(work *w, uint32_t facet);
+/* Parts the piece along w->cap_facets. */
+void pieces_part(work *w, uint32_t piece, uint32_t plane);
+/* All members that hang together with this one, appended to out. */
+void members_connected(work *w, uint32_t member, id_list *out);
+/* Whether the closed surface of these members contains the vertex of the shell of member. */
+bool surface_contains(work *w, const uint32_t *members, size_t count, uint32_t shell_member);
+
+/* ---- choose.c, merge.c, finish.c ------------------------------------------------------------------------------ */
+
+/* A plane to cut the piece with, or CELLIST_NONE if the piece is convex. */
+uint32_t choose_plane(work *w, uint32_t piece);
+void pieces_cut_all(work *w);
+void pieces_merge(work *w);
+void finish(work *w, cellist_complex **complex);
+
+#endif

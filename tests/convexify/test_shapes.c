@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Shapes of cubes: concave, in pieces, with holes, cavities and islands, touching themselves. Cell counts are known for
+ * the simple ones; for all of them volumes must add up, cells be convex and rays cross them end to end. */
+#include <cellist/convexify.h>
+
+#include "check_rays.h"
+#include "harness.h"
+#include "shapes.h"
+
+static const shape CUBE = {.size = {2, 2, 2}, .cubes = "########"};
+static const shape L = {.size = {2, 2, 1}, .cubes = "###."};
+static const shape U = {.size = {3, 2, 1}, .cubes = "####.#"};
+static const shape RING = {.size = {3, 3, 1}, .cubes = "####.####"};
+static const shape CAVITY = {.size = {3, 3, 3}, .cubes = "#############.#############"};
+static const shape APART = {.size = {3, 1, 1}, .cubes = "#.#"};
+static const shape AT_EDGE = {.size = {2, 2, 1}, .cubes = "#..#"};
+static const shape AT_CORNER = {.size = {2, 2, 2}, .cubes = "#......#"};
+static const shape STAIRS = {.size = {3, 3, 1}, .cubes = "#####.#.."};
+static const shape TEETH = {.size = {7, 2, 1}, .cubes = "########.#.#.#"};
+static const shape FRAME = {.size = {3, 3, 3}, .cubes = "####.#####.#...#.#####.####"};
+/* A shell of 5 cubes a side with a cube in its middle: an island in a cavity. */
+static const shape ISLAND = {.size = {5, 5, 5},
+                             .cubes =
+                                 "#########################"
+                                 "######...##...##...######"
+                                 "######...##.#.##...######"
+                                 "######...##...##...######"
+                                 "#########################"};
+/* The same with the island and a tunnel out, and one with two islands, one cube apart. */
+static const shape TUNNEL = {.size = {5, 5, 5},
+                             .cubes =
+                                 "############.############"
+                                 "######...##...##...######"
+                                 "######...##.#.##...######"
+                                 "######...##...##...######"
+                                 "#########################"};
+static const shape TWO_ISLANDS = {.size = {7, 3, 5},
+                                  .cubes =
+                                      "#####################"
+                                      "########.....########"
+                                      "########.....########"
+                                      "########.....########"
+                                      "#####################"};
+static const shape SPIRES = {.size = {5, 5, 2}, .cubes = "##########################...#.....#.#.....#.#...#"};
+
+static void check(const shape *s, cellist_exterior exterior, size_t cells) {
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  assert_success(context, shape_mesh(context, s, &mesh));
+  for (uint64_t seed = 1; seed <= 3; seed++) {
+    const cellist_convexify_desc desc = {.exterior = exterior, .seed = seed};
+    cellist_complex *complex = NULL;
+    cellist_convexify_stats stats;
+    assert_success(context, cellist_convexify(context, mesh, &desc, &complex, &stats));
+    if (!cellist_complex_is_valid(context, complex, mesh)) fail_msg("%s", cellist_context_take_error(context));
+    assert_true(stats.volume_error <= 1e-12);
+    assert_int_equal(stats.convexity_violations, 0);
+    if (cells != SIZE_MAX) assert_int_equal(stats.imaginary_cells, cells);
+    check_rays(complex, mesh, 40, seed, 1e-12);
+    cellist_complex_destroy(complex);
+  }
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
+TEST(a_convex_mesh_needs_no_cells)
+{ check(&CUBE, CELLIST_EXTERIOR_HULL, 0); }
+TEST(an_l_needs_one_cell)
+{ check(&L, CELLIST_EXTERIOR_HULL, 1); }
+TEST(a_u_needs_one_cell)
+{ check(&U, CELLIST_EXTERIOR_HULL, 1); }
+TEST(a_ring_needs_one_cell)
+{ check(&RING, CELLIST_EXTERIOR_HULL, 1); }
+TEST(a_cavity_is_one_cell)
+{ check(&CAVITY, CELLIST_EXTERIOR_HULL, 1); }
+TEST(two_cubes_apart_need_one_cell)
+{ check(&APART, CELLIST_EXTERIOR_HULL, 1); }
+TEST(cubes_that_share_an_edge_need_two_cells)
+{ check(&AT_EDGE, CELLIST_EXTERIOR_HULL, 2); }
+TEST(cubes_that_share_a_corner_are_filled)
+{ check(&AT_CORNER, CELLIST_EXTERIOR_HULL, SIZE_MAX); }
+TEST(stairs_need_two_cells)
+{ check(&STAIRS, CELLIST_EXTERIOR_HULL, 2); }
+TEST(gaps_between_teeth_are_cells)
+{ check(&TEETH, CELLIST_EXTERIOR_HULL, 3); }
+TEST(a_frame_of_beams_is_filled)
+{ check(&FRAME, CELLIST_EXTERIOR_HULL, 5); }
+TEST(an_island_in_a_cavity_is_found)
+{ check(&ISLAND, CELLIST_EXTERIOR_HULL, SIZE_MAX); }
+TEST(an_island_behind_a_tunnel_is_found)
+{ check(&TUNNEL, CELLIST_EXTERIOR_HULL, SIZE_MAX); }
+TEST(a_long_cavity_is_one_cell)
+{ check(&TWO_ISLANDS, CELLIST_EXTERIOR_HULL, 1); }
+TEST(spires_that_touch_a_hull_side_are_filled)
+{ check(&SPIRES, CELLIST_EXTERIOR_HULL, SIZE_MAX); }
+
+TEST(a_box_is_filled_around_every_shape)
+{
+  check(&CUBE, CELLIST_EXTERIOR_BOX, SIZE_MAX);
+  check(&U, CELLIST_EXTERIOR_BOX, SIZE_MAX);
+  check(&APART, CELLIST_EXTERIOR_BOX, SIZE_MAX);
+  check(&AT_EDGE, CELLIST_EXTERIOR_BOX, SIZE_MAX);
+  check(&AT_CORNER, CELLIST_EXTERIOR_BOX, SIZE_MAX);
+  check(&ISLAND, CELLIST_EXTERIOR_BOX, SIZE_MAX);
+}
+
+/* Each cube has points of its own: seams in full contact part cells, but bound no exterior. */
+TEST(unmerged_seams_become_facets)
+{
+  shape u = U;
+  u.unmerged = true;
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  assert_success(context, shape_mesh(context, &u, &mesh));
+  cellist_complex *complex = NULL;
+  cellist_convexify_stats stats;
+  assert_success(context, cellist_convexify(context, mesh, NULL, &complex, &stats));
+  assert_int_equal(stats.imaginary_cells, 1);
+  const cellist_complex_arrays *a = cellist_complex_get_arrays(complex);
+  size_t seams = 0;
+  for (size_t f = 0; f < a->facet_count; f++)
+    seams += a->facet_cells[2 * f] < a->tet_count && a->facet_cells[2 * f + 1] < a->tet_count;
+  assert_int_equal(seams, 8); /* four contacts of two triangles */
+  if (!cellist_complex_is_valid(context, complex, mesh)) fail_msg("%s", cellist_context_take_error(context));
+  cellist_complex_destroy(complex);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
+TEST(far_from_the_origin_and_at_any_scale)
+{
+  shape s = STAIRS;
+  s.scale = 0x1p-10;
+  s.offset[0] = 1e7;
+  s.offset[2] = -1e7;
+  check(&s, CELLIST_EXTERIOR_HULL, SIZE_MAX);
+  const double scales[] = {1e-20, 1e20};
+  for (int i = 0; i < 2; i++) {
+    s = TUNNEL;
+    s.scale = scales[i];
+    cellist_context *context = harness_context(1);
+    cellist_mesh *mesh = NULL;
+    assert_success(context, shape_mesh(context, &s, &mesh));
+    cellist_complex *complex = NULL;
+    cellist_convexify_stats stats;
+    assert_success(context, cellist_convexify(context, mesh, NULL, &complex, &stats));
+    assert_true(stats.volume_error <= 1e-12 && stats.convexity_violations == 0);
+    if (!cellist_complex_is_valid(context, complex, mesh)) fail_msg("%s", cellist_context_take_error(context));
+    cellist_complex_destroy(complex);
+    cellist_mesh_destroy(mesh);
+    harness_context_destroy(context);
+  }
+}
+
+/* Random cubes: every kind of contact along edges and at corners. */
+TEST(random_cubes_are_filled)
+{
+  for (uint64_t seed = 1; seed <= 25; seed++) {
+    random_state random = {seed};
+    char cubes[64];
+    for (int i = 0; i < 64; i++) cubes[i] = random_below(&random, 100) < 20 + 2 * seed ? '#' : '.';
+    cubes[0] = '#';
+    const shape s = {.size = {4, 4, 4}, .cubes = cubes};
+    check(&s, seed % 5 == 0 ? CELLIST_EXTERIOR_BOX : CELLIST_EXTERIOR_HULL, SIZE_MAX);
+  }
+}
+
+static cellist_result convexify_tunnel(cellist_context *context, void *user) {
+  cellist_mesh *mesh = NULL;
+  cellist_complex *complex = NULL;
+  cellist_result result = shape_mesh(context, user, &mesh);
+  if (result == CELLIST_SUCCESS) result = cellist_convexify(context, mesh, NULL, &complex, NULL);
+  cellist_complex_destroy(complex);
+  cellist_mesh_destroy(mesh);
+  return result;
+}
+
+TEST(every_failed_allocation_is_reported_and_leaks_nothing)
+{
+  shape s = STAIRS;
+  check_allocation_failures(convexify_tunnel, &s);
+}
