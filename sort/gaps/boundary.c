@@ -11,7 +11,7 @@
  * product sums, and a height by 4 more; twice that is asked for. A smaller one lets rounding decide. */
 static const double PLANE_DOUBT = 16 * 0x1p-53;
 
-static void make_plane(const double *a, const double *b, const double *c, sort_face_plane *plane) {
+void sort_face_plane_make(const double *a, const double *b, const double *c, sort_face_plane *plane) {
   double u[3], w[3], u_sum = 0, w_sum = 0;
   for (int k = 0; k < 3; k++) {
     u[k] = b[k] - a[k];
@@ -42,7 +42,7 @@ static void fill(const cellist_sorter_desc *mesh, const uint32_t *vertex_of, sor
         boundary->corners[3 * face_count + c] = vertex_of[point];
         p[c] = &mesh->points[3 * (size_t)point];
       }
-      make_plane(p[0], p[1], p[2], &boundary->planes[face_count++]);
+      sort_face_plane_make(p[0], p[1], p[2], &boundary->planes[face_count++]);
     }
   }
 }

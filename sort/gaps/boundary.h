@@ -11,6 +11,9 @@ typedef struct sort_face_plane {
   double normal[3], point[3], doubt;
 } sort_face_plane;
 
+/* Fills plane from three points, counter-clockwise seen from outside. */
+void sort_face_plane_make(const double *a, const double *b, const double *c, sort_face_plane *plane);
+
 typedef struct sort_boundary {
   size_t vertex_count;
   double *positions; /* [3 vertex_count] of the points that boundary faces use, in the order of their ids */

@@ -8,7 +8,7 @@
  * cells that no ray meets both, and cyclic in almost every view of most concave meshes).
  *
  * Candidates come from a grid over the entering faces' boxes in a picture; a pair is looked at in one cell of the
- * grid only (where the lower corner of the two boxes' common part lies). Two dot products per corner cull most. */
+ * grid only (where the lower corner of the two boxes' common part lies). */
 #include "gaps.h"
 
 #include <math.h>
@@ -69,7 +69,7 @@ void sort_gaps_release(cellist_context *context, sort_gaps *gaps) {
   cellist_deallocate(context, gaps->leaving);
   cellist_deallocate(context, gaps->entering);
   cellist_deallocate(context, gaps->cell_starts);
-  cellist_deallocate(context, gaps->cell_faces);
+  cellist_deallocate(context, gaps->entries);
   cellist_deallocate(context, gaps->chunks);
   *gaps = (sort_gaps){0};
 }
@@ -120,6 +120,17 @@ static struct cells cells_of(const struct grid *grid, const sort_box *box) {
   return cells;
 }
 
+/* The box in single precision, not smaller. */
+static sort_grid_entry make_entry(const sort_box *box, const struct cells *cells, uint32_t face) {
+  sort_grid_entry entry = {.face = face};
+  for (int k = 0; k < 2; k++) {
+    entry.low[k] = nextafterf((float)box->low[k], -HUGE_VALF);
+    entry.high[k] = nextafterf((float)box->high[k], HUGE_VALF);
+    entry.cell[k] = (uint16_t)cells->low[k];
+  }
+  return entry;
+}
+
 /* Sorts faces into leaving and entering ones, and the entering ones into the grid. */
 static cellist_result make_grid(struct search *search) {
   sort_gaps *gaps = search->gaps;
@@ -158,27 +169,17 @@ static cellist_result make_grid(struct search *search) {
       for (uint32_t x = cells.low[0]; x <= cells.high[0]; x++) starts[(size_t)y * grid->size + x + 2]++;
   }
   for (size_t i = 2; i < cell_count + 2; i++) starts[i] += starts[i - 1];
-  result = sort_reserve(search->context, &gaps->cell_faces, &gaps->cell_face_capacity, 0, starts[cell_count + 1],
-                        sizeof(uint32_t));
+  result = sort_reserve(search->context, &gaps->entries, &gaps->entry_capacity, 0, starts[cell_count + 1],
+                        sizeof *gaps->entries);
   if (result != CELLIST_SUCCESS) return result;
   for (size_t i = 0; i < gaps->entering_count; i++) {
     const struct cells cells = cells_of(grid, &gaps->boxes[gaps->entering[i]]);
+    const sort_grid_entry entry = make_entry(&gaps->boxes[gaps->entering[i]], &cells, gaps->entering[i]);
     for (uint32_t y = cells.low[1]; y <= cells.high[1]; y++)
       for (uint32_t x = cells.low[0]; x <= cells.high[0]; x++)
-        gaps->cell_faces[starts[(size_t)y * grid->size + x + 1]++] = gaps->entering[i];
+        gaps->entries[starts[(size_t)y * grid->size + x + 1]++] = entry;
   }
   return CELLIST_SUCCESS;
-}
-
-/* False only if all three vertices certainly lie behind the plane or in it. */
-static bool may_be_outside(const sort_face_plane *plane, const double *positions, const uint32_t corners[3]) {
-  for (int c = 0; c < 3; c++) {
-    const double *v = &positions[3 * (size_t)corners[c]];
-    const double x = v[0] - plane->point[0], y = v[1] - plane->point[1], z = v[2] - plane->point[2];
-    const double height = plane->normal[0] * x + plane->normal[1] * y + plane->normal[2] * z;
-    if (!(-height > plane->doubt * (fabs(x) + fabs(y) + fabs(z)))) return true;
-  }
-  return false;
 }
 
 static cellist_result add_pair(cellist_context *context, sort_gap_buffer *buffer, uint32_t far, uint32_t near) {
@@ -195,31 +196,26 @@ static cellist_result add_pair(cellist_context *context, sort_gap_buffer *buffer
 static void search_face(struct search *search, sort_gap_buffer *buffer, uint32_t leaving) {
   const sort_gaps *gaps = search->gaps;
   const sort_boundary *boundary = &gaps->boundary;
-  const struct grid *grid = &search->grid;
-  const sort_box box = gaps->boxes[leaving];
-  const struct cells cells = cells_of(grid, &box);
-  const uint32_t *corners = &boundary->corners[3 * (size_t)leaving];
+  const struct cells cells = cells_of(&search->grid, &gaps->boxes[leaving]);
+  const sort_grid_entry box = make_entry(&gaps->boxes[leaving], &cells, leaving);
+  const sort_face face = {&boundary->corners[3 * (size_t)leaving], &boundary->planes[leaving]};
   for (uint32_t y = cells.low[1]; y <= cells.high[1]; y++) {
     for (uint32_t x = cells.low[0]; x <= cells.high[0]; x++) {
-      const size_t cell = (size_t)y * grid->size + x;
-      for (uint32_t i = gaps->cell_starts[cell]; i < gaps->cell_starts[cell + 1]; i++) {
-        const uint32_t entering = gaps->cell_faces[i];
-        const sort_box *other = &gaps->boxes[entering];
-        if (box.low[0] > other->high[0] || other->low[0] > box.high[0] || box.low[1] > other->high[1] ||
-            other->low[1] > box.high[1])
+      const size_t cell = (size_t)y * search->grid.size + x;
+      const sort_grid_entry *end = &gaps->entries[gaps->cell_starts[cell + 1]];
+      for (const sort_grid_entry *entry = &gaps->entries[gaps->cell_starts[cell]]; entry < end; entry++) {
+        if (box.low[0] > entry->high[0] || entry->low[0] > box.high[0] || box.low[1] > entry->high[1] ||
+            entry->low[1] > box.high[1])
           continue;
-        if (cell_of(grid, fmax(box.low[0], other->low[0]), 0) != x ||
-            cell_of(grid, fmax(box.low[1], other->low[1]), 1) != y)
+        if (x != (box.cell[0] > entry->cell[0] ? box.cell[0] : entry->cell[0]) ||
+            y != (box.cell[1] > entry->cell[1] ? box.cell[1] : entry->cell[1]))
           continue;
-        if (boundary->rows[leaving] == boundary->rows[entering]) continue;
+        const uint32_t far = boundary->rows[entry->face], near = boundary->rows[leaving];
+        if (far == near) continue;
         buffer->candidate_count++;
-        const uint32_t *other_corners = &boundary->corners[3 * (size_t)entering];
-        if (!may_be_outside(&boundary->planes[leaving], boundary->positions, other_corners) ||
-            !may_be_outside(&boundary->planes[entering], boundary->positions, corners))
-          continue;
-        if (!sort_leaves_before(&search->scene, corners, other_corners)) continue;
-        if (buffer->result == CELLIST_SUCCESS)
-          buffer->result = add_pair(search->context, buffer, boundary->rows[entering], boundary->rows[leaving]);
+        const sort_face other = {&boundary->corners[3 * (size_t)entry->face], &boundary->planes[entry->face]};
+        if (!sort_leaves_before(&search->scene, face, other)) continue;
+        if (buffer->result == CELLIST_SUCCESS) buffer->result = add_pair(search->context, buffer, far, near);
       }
     }
   }

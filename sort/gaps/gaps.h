@@ -21,6 +21,13 @@ typedef struct sort_gap_chunk {
   size_t begin, count;
 } sort_gap_chunk;
 
+/* An entering face in one cell of the grid: its box, and the cell of the box's lower corner. */
+typedef struct sort_grid_entry {
+  float low[2], high[2];
+  uint16_t cell[2];
+  uint32_t face;
+} sort_grid_entry;
+
 /* The arcs of the last view, by row of the farther cell, and the scratch to find them. */
 typedef struct sort_gaps {
   sort_boundary boundary;
@@ -38,8 +45,9 @@ typedef struct sort_gaps {
   sort_box *boxes;              /* [face_count] in the picture of the moment */
   uint32_t *leaving, *entering; /* [face_count] faces in the picture */
   size_t leaving_count, entering_count;
-  uint32_t *cell_starts, *cell_faces; /* the grid: entering faces by cell */
-  size_t cell_start_capacity, cell_face_capacity;
+  uint32_t *cell_starts; /* the grid: entering faces by cell */
+  sort_grid_entry *entries;
+  size_t cell_start_capacity, entry_capacity;
   unsigned worker_count;
   sort_gap_buffer *buffers; /* [worker_count] */
   sort_gap_chunk *chunks;

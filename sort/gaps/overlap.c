@@ -16,6 +16,11 @@
 /* Rounding of one operation. */
 static const double UNIT = 0x1p-53;
 
+/* A doubt below this may itself have lost digits. */
+static const double UNDERFLOW_GUARD = 1e-290;
+
+enum { UNKNOWN = 2 };
+
 /* 1 if a, b, c turn counter-clockwise as the eye sees them. */
 static int turn(const sort_scene *scene, uint32_t a, uint32_t b, uint32_t c) {
   if (a == b || b == c || a == c) return 0;
@@ -34,12 +39,32 @@ static int turn(const sort_scene *scene, uint32_t a, uint32_t b, uint32_t c) {
   return sort_eye_side(&scene->eye, &x[3 * (size_t)a], &x[3 * (size_t)b], &x[3 * (size_t)c]);
 }
 
-/* Which side of the triangle's plane a vertex lies on. */
-static int side(const sort_scene *scene, const uint32_t triangle[3], uint32_t vertex) {
-  if (vertex == triangle[0] || vertex == triangle[1] || vertex == triangle[2]) return 0;
+/* Which side of the face's plane each of the other face's corners lies on; false as soon as it is known that none lies
+ * outside, unless all lie in the plane. */
+static bool sides(const sort_scene *scene, sort_face face, const uint32_t others[3], int signs[3]) {
   const double *x = scene->positions;
-  return cellist_orient3d(&x[3 * (size_t)triangle[0]], &x[3 * (size_t)triangle[1]], &x[3 * (size_t)triangle[2]],
-                          &x[3 * (size_t)vertex]);
+  const uint32_t *own = face.corners;
+  bool outside = false, open = false;
+  for (int k = 0; k < 3; k++) {
+    const double *v = &x[3 * (size_t)others[k]];
+    const double dx = v[0] - face.plane->point[0], dy = v[1] - face.plane->point[1], dz = v[2] - face.plane->point[2];
+    const double height = face.plane->normal[0] * dx + face.plane->normal[1] * dy + face.plane->normal[2] * dz;
+    const double doubt = face.plane->doubt * (fabs(dx) + fabs(dy) + fabs(dz));
+    const bool shared = others[k] == own[0] || others[k] == own[1] || others[k] == own[2];
+    const bool decided = doubt > UNDERFLOW_GUARD && (height > doubt || -height > doubt);
+    signs[k] = shared ? 0 : decided ? (height > 0 ? 1 : -1) : UNKNOWN;
+    outside |= signs[k] == 1;
+    open |= signs[k] == UNKNOWN;
+  }
+  if (outside && !open) return true;
+  if (!outside && !open) return signs[0] == 0 && signs[1] == 0 && signs[2] == 0;
+  for (int k = 0; k < 3; k++) {
+    if (signs[k] == UNKNOWN)
+      signs[k] = cellist_orient3d(&x[3 * (size_t)own[0]], &x[3 * (size_t)own[1]], &x[3 * (size_t)own[2]],
+                                  &x[3 * (size_t)others[k]]);
+    outside |= signs[k] == 1;
+  }
+  return outside || (signs[0] == 0 && signs[1] == 0 && signs[2] == 0);
 }
 
 /* signs[i][k]: the turn of triangle a's edge i (to i + 1) and b's vertex k. Returns false when an edge separates. */
@@ -71,16 +96,13 @@ static bool vertices_separate(int of_a[3][3], int of_b[3][3]) {
 }
 
 static int minimum(const int x[3]) { return x[0] < x[1] ? (x[0] < x[2] ? x[0] : x[2]) : (x[1] < x[2] ? x[1] : x[2]); }
-static int maximum(const int x[3]) { return x[0] > x[1] ? (x[0] > x[2] ? x[0] : x[2]) : (x[1] > x[2] ? x[1] : x[2]); }
 
-bool sort_leaves_before(const sort_scene *scene, const uint32_t leaving[3], const uint32_t entering[3]) {
+bool sort_leaves_before(const sort_scene *scene, sort_face leaving_face, sort_face entering_face) {
+  const uint32_t *leaving = leaving_face.corners, *entering = entering_face.corners;
   /* Beyond the leaving face, and before the entering one: outside both. */
   int beyond[3], before[3];
-  for (int k = 0; k < 3; k++) beyond[k] = side(scene, leaving, entering[k]);
+  if (!sides(scene, leaving_face, entering, beyond) || !sides(scene, entering_face, leaving, before)) return false;
   const bool coplanar = beyond[0] == 0 && beyond[1] == 0 && beyond[2] == 0;
-  if (maximum(beyond) <= 0 && !coplanar) return false;
-  for (int k = 0; k < 3; k++) before[k] = side(scene, entering, leaving[k]);
-  if (maximum(before) <= 0 && !coplanar) return false;
 
   /* Both counter-clockwise as the eye sees them; the eye sees the leaving face from behind. */
   const uint32_t a[3] = {leaving[0], leaving[2], leaving[1]};

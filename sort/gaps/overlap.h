@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "../view.h"
+#include "boundary.h"
 
 /* What pair tests look at. Triangles are three ids into positions. */
 typedef struct sort_scene {
@@ -20,10 +21,16 @@ typedef struct sort_scene {
   bool around_eye;
 } sort_scene;
 
-/* Does a ray from the eye leave a cell through triangle `leaving` and enter another one through `entering` after that,
- * or in the same point? Both triangles are counter-clockwise seen from outside their cells; the eye lies strictly
- * behind `leaving` and strictly before `entering`. Rays through edges alone do not count.
+/* A boundary face of a pair: corners counter-clockwise seen from outside its cell. */
+typedef struct sort_face {
+  const uint32_t *corners;
+  const sort_face_plane *plane;
+} sort_face;
+
+/* Does a ray from the eye leave a cell through face `leaving` and enter another one through `entering` after that, or
+ * in the same point? The eye lies strictly behind `leaving` and strictly before `entering`. Rays through edges alone do
+ * not count.
  * Errors: none. Threads: any. Cost: some 50 ns, some 10 us where exact arithmetic must decide it all. */
-bool sort_leaves_before(const sort_scene *scene, const uint32_t leaving[3], const uint32_t entering[3]);
+bool sort_leaves_before(const sort_scene *scene, sort_face leaving, sort_face entering);
 
 #endif

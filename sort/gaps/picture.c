@@ -29,11 +29,14 @@ static const double CUBE_MARGIN = 1e-7;
  * side. Below CUBE_MARGIN times this, rounding could move a corner out of its box. */
 static const double CUBE_NEAREST = 1e-6;
 
+static double smaller(double a, double b) { return a < b ? a : b; }
+static double larger(double a, double b) { return a > b ? a : b; }
+
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* A unit vector along v, without overflow; v is not 0. */
 static void normalise(const double *v, double *out) {
-  const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+  const double largest = larger(fabs(v[0]), larger(fabs(v[1]), fabs(v[2])));
   for (int k = 0; k < 3; k++) out[k] = v[k] / largest;
   const double length = sqrt(dot(out, out));
   for (int k = 0; k < 3; k++) out[k] /= length;
@@ -58,16 +61,16 @@ bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, do
   double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for (size_t i = 0; i < boundary->vertex_count; i++) {
     for (size_t k = 0; k < 3; k++) {
-      low[k] = fmin(low[k], boundary->positions[3 * i + k]);
-      high[k] = fmax(high[k], boundary->positions[3 * i + k]);
+      low[k] = smaller(low[k], boundary->positions[3 * i + k]);
+      high[k] = larger(high[k], boundary->positions[3 * i + k]);
     }
   }
   double middle[3], towards[3], distance = 0, radius = 0;
   for (int k = 0; k < 3; k++) {
     middle[k] = 0.5 * low[k] + 0.5 * high[k];
     towards[k] = eye->parallel ? eye->at[k] : eye->at[k] - middle[k];
-    distance = fmax(distance, fabs(towards[k]));
-    radius = fmax(radius, high[k] - middle[k]);
+    distance = larger(distance, fabs(towards[k]));
+    radius = larger(radius, high[k] - middle[k]);
   }
   if (distance == 0) return false;
   normalise(towards, towards);
@@ -88,13 +91,13 @@ bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, do
       if (!(depth > 0) || !(depth >= WIDEST_COSINE * sqrt(x * x + y * y + depth * depth))) return false;
       x /= depth;
       y /= depth;
-      nearest = fmin(nearest, depth);
+      nearest = smaller(nearest, depth);
     }
     picture[2 * i] = x;
     picture[2 * i + 1] = y;
-    widest = fmax(widest, fmax(fabs(x), fabs(y)));
+    widest = larger(widest, larger(fabs(x), fabs(y)));
   }
-  const double stretch = eye->parallel ? fmax(1, radius / widest) : (distance + 2 * radius) / nearest;
+  const double stretch = eye->parallel ? larger(1, radius / widest) : (distance + 2 * radius) / nearest;
   *error = PICTURE_ROUNDINGS * UNIT * widest * stretch;
   if (isfinite(*error)) return true;
   if (!eye->parallel) return false;
@@ -142,7 +145,7 @@ sort_box sort_cube_box(const double eye[3], const double *positions, const uint3
     double v[3];
     for (int k = 0; k < 3; k++) {
       v[k] = positions[3 * (size_t)corners[c] + (size_t)k] - eye[k];
-      size = fmax(size, fabs(v[k]));
+      size = larger(size, fabs(v[k]));
     }
     if (!isfinite(v[0] + v[1] + v[2])) return everywhere;
     polygon[c][0] = v[(axis + 1) % 3];
@@ -157,8 +160,8 @@ sort_box sort_cube_box(const double eye[3], const double *positions, const uint3
     if (!(polygon[i][2] > CUBE_NEAREST * size)) return everywhere;
     for (int k = 0; k < 2; k++) {
       const double x = polygon[i][k] / polygon[i][2];
-      box.low[k] = fmin(box.low[k], x - CUBE_MARGIN);
-      box.high[k] = fmax(box.high[k], x + CUBE_MARGIN);
+      box.low[k] = smaller(box.low[k], x - CUBE_MARGIN);
+      box.high[k] = larger(box.high[k], x + CUBE_MARGIN);
     }
   }
   return box;

@@ -166,6 +166,67 @@ TEST(a_wheel_is_one_group_of_exactly_its_cells)
   harness_context_destroy(context);
 }
 
+TEST(pairs_inside_a_wheel_are_told_apart)
+{
+  enum { N = 12 };
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = make_wheel(context, N);
+  const cellist_sorter_desc desc = sorter_desc_of(mesh);
+  const uint32_t *origin = cellist_mesh_get_arrays(mesh)->tet_origin;
+  uint32_t of_stick[N + 2];
+  for (uint32_t i = 0; i < N + 2; i++) of_stick[origin[i]] = i;
+  cellist_sorter *sorter = NULL;
+  assert_success(context, cellist_sorter_create(context, &desc, &sorter));
+  for (int parallel = 0; parallel < 2; parallel++) {
+    const cellist_viewpoint view = {{0, 0, parallel ? -1 : 100}, parallel};
+    for (uint32_t i = 0; i < N; i++) {
+      for (uint32_t j = 0; j < N; j++) {
+        const int expected = j == (i + 1) % N ? -1 : i == (j + 1) % N ? 1 : 0;
+        assert_int_equal(cellist_sorter_compare(sorter, &view, of_stick[i], of_stick[j]), expected);
+      }
+      assert_int_equal(cellist_sorter_compare(sorter, &view, of_stick[i], of_stick[N]), 1);
+      assert_int_equal(cellist_sorter_compare(sorter, &view, of_stick[i], of_stick[N + 1]), -1);
+    }
+  }
+  cellist_sorter_destroy(sorter);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
+/* Every pair on a ray stands as compare says; a pair that compare orders is never the other way round. */
+TEST(compare_agrees_with_brute_force)
+{
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = scene_grid(context, 3, 0.1, 0.4, 8);
+  const cellist_sorter_desc desc = sorter_desc_of(mesh);
+  cellist_sorter *sorter = NULL;
+  assert_success(context, cellist_sorter_create(context, &desc, &sorter));
+  struct oracle_interval *hits = calloc(desc.tet_count, sizeof *hits);
+  for (unsigned kind = 0; kind < 24; kind++) {
+    random_state random = {kind};
+    const cellist_viewpoint view = scene_view(kind, 3, &random);
+    for (int ray = 0; ray < 20; ray++) {
+      double from[3], direction[3];
+      oracle_ray(&desc, &view, &random, from, direction);
+      size_t count = 0;
+      for (uint32_t t = 0; t < desc.tet_count; t++) {
+        hits[count].tet = t;
+        count += oracle_cross(desc.points, &desc.tets[4 * t], from, direction, view.parallel, &hits[count]);
+      }
+      qsort(hits, count, sizeof *hits, oracle_compare);
+      for (size_t i = 0; i < count; i++)
+        for (size_t j = i + 1; j < count; j++) {
+          assert_int_equal(cellist_sorter_compare(sorter, &view, hits[i].tet, hits[j].tet), 1);
+          assert_int_equal(cellist_sorter_compare(sorter, &view, hits[j].tet, hits[i].tet), -1);
+        }
+    }
+  }
+  free(hits);
+  cellist_sorter_destroy(sorter);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
 TEST(any_number_of_workers_gives_the_same_order)
 {
   cellist_mesh *mesh = NULL;

@@ -77,6 +77,14 @@ CELLIST_API cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cel
  * Errors: none. Threads: as cellist_sorter_sort. Cost: constant. */
 CELLIST_API void cellist_sorter_groups(const cellist_sorter *sorter, const cellist_group **groups, size_t *count);
 
+/* Which of two tets is in front, for any two tets and any view: inside a group, what the order cannot tell.
+ * Returns 1: a is in front of b wherever a ray meets both; -1: b of a; 0: no ray from the eye passes through both,
+ * or (cells that cut each other) each is in front of the other on some ray.
+ * Arrays: a and b are below tet_count.
+ * Errors: none. Threads: any number, on one sorter too. Cost: some microseconds. */
+CELLIST_API int cellist_sorter_compare(const cellist_sorter *sorter, const cellist_viewpoint *viewpoint, uint32_t a,
+                                       uint32_t b);
+
 #ifdef __cplusplus
 }
 #endif
