@@ -177,6 +177,21 @@ case_compare_measures() {
   expect 1 compare a.exr missing.exr && says missing.exr && one_line
 }
 
+# Pictures of earlier versions, by the reference caster; tests/golden/renew makes them anew.
+case_golden_pictures_stay_as_they_are() {
+  while read -r name options; do
+    # shellcheck disable=SC2086
+    expect 0 render $options --renderer cast --precision reference -o "$name.exr"
+    expect 0 compare "$name.exr" "$here/../golden/$name.exr" --json
+    json "j['max_abs'] <= 1e-6 and j['covered_pixels'] > 300"
+    case $options in *--iso*) continue ;; esac
+    # shellcheck disable=SC2086
+    expect 0 render $options --renderer cast --precision fast -o "$name.exr"
+    expect 0 compare "$name.exr" "$here/../golden/$name.exr" --json
+    json "j['rmse'] <= 2e-4"
+  done <"$here/../golden/pictures.txt"
+}
+
 case_full_disk_and_unwritable_output() {
   [ -e /dev/full ] || exit 77
   "$cellist" render sample:grid -o - --size 64x64 >/dev/full 2>err && fail "a full disk went unnoticed"
