@@ -54,10 +54,12 @@ void reference_sum_add(reference_sum *sum, double term) {
  * library's, and most pieces of a picture are that thin. */
 static double exp_of_minus(double x) {
   const double y = -x;
-  return 1 + y * (1 + y * (0.5 + y * (1.0 / 6 +
-                                      y * (1.0 / 24 +
-                                           y * (1.0 / 120 + y * (1.0 / 720 + y * (1.0 / 5040 +
-                                                                                  y * (1.0 / 40320 + y * (1.0 / 362880)))))))));
+  return 1 +
+         y * (1 + y * (0.5 +
+                       y * (1.0 / 6 +
+                            y * (1.0 / 24 +
+                                 y * (1.0 / 120 +
+                                      y * (1.0 / 720 + y * (1.0 / 5040 + y * (1.0 / 40320 + y * (1.0 / 362880)))))))));
 }
 
 double reference_piece_weights_by_quadrature(double a, double b, double *front, double *back) {

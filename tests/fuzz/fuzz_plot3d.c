@@ -6,4 +6,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) { return fuzz_read(read_plot3d, "fuzz.xyz", data, size, 1); }
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  return fuzz_read(read_plot3d, "fuzz.xyz", data, size, 1);
+}

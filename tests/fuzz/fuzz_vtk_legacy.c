@@ -6,4 +6,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) { return fuzz_read(read_vtk_legacy, "fuzz.vtk", data, size, 1); }
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  return fuzz_read(read_vtk_legacy, "fuzz.vtk", data, size, 1);
+}
