@@ -163,7 +163,8 @@ static void begin_exact(work *w, const uint8_t *peeled) {
   int power = 0, highest = 0;
   frexp(extent, &power);
   frexp(largest, &highest);
-  if (power - ADDED_BITS < lowest) lowest = power - ADDED_BITS;
+  const int bits = w->desc.exterior == CELLIST_EXTERIOR_DELAUNAY ? MESHER_BITS : ADDED_BITS;
+  if (power - bits < lowest) lowest = power - bits;
   if (highest - lowest > BIT_LIMIT) {
     cellist_fail(w->context, CELLIST_ERROR_UNSUPPORTED,
                  "coordinates from 2^%d to 2^%d: exact planes would need more than %d bits", lowest, highest,

@@ -161,6 +161,33 @@ uint32_t choose_plane(work *w, uint32_t piece) {
   return plane != CELLIST_NONE ? plane : first; /* exactly collinear, though not to rounding */
 }
 
+/* Boundary faces a grid cell, on average over a grid as deep as wide; fewer means more and more compact cells.
+ * spx gets 8 planes, as in the measurement that grids sort better by (136 instead of 1,369 real cells in cycles). */
+static const double FACES_PER_GRID_CELL = 4;
+
+void pieces_cut_by_grid(work *w) {
+  const double *bounds = w->mesh->bounds;
+  double extent = 0;
+  for (int k = 0; k < 3; k++) extent = fmax(extent, bounds[3 + k] / 2 - bounds[k] / 2);
+  int power = 0;
+  frexp(extent, &power);
+  const double step = ldexp(1, power - ADDED_BITS);
+  double along = w->desc.grid_size;
+  if (along == 0) along = fmin(fmax(cbrt((double)w->boundary.count / FACES_PER_GRID_CELL), 2), 64);
+  for (uint32_t axis = 0; axis < 3; axis++) {
+    const double length = bounds[3 + axis] - bounds[axis];
+    const int planes = (int)ceil(along * (length / 2) / extent);
+    for (int i = 1; i <= planes; i++) {
+      const double offset = rint((bounds[axis] + length * i / (planes + 1)) / step) * step;
+      if (offset <= bounds[axis] || offset >= bounds[3 + axis]) continue;
+      const uint32_t plane = exact_add_axis_plane(w, axis, offset);
+      const size_t count = w->pieces.count;
+      for (uint32_t piece = 0; piece < count; piece++) piece_cut(w, piece, plane);
+      if (cellist_progress(w->context, "convexifying", 0) != CELLIST_SUCCESS) work_fail(w, CELLIST_ERROR_CANCELLED);
+    }
+  }
+}
+
 void pieces_cut_all(work *w) {
   for (uint32_t piece = 0; piece < w->pieces.count;) {
     const uint32_t plane = choose_plane(w, piece);

@@ -14,6 +14,7 @@ cellist_convexify_desc cellist_convexify_desc_default(void) { return (cellist_co
 
 void work_release(work *w) {
   cellist_context *context = w->context;
+  delaunay_release_work(w);
   for (size_t p = 0; p < w->pieces.count; p++) {
     cellist_deallocate(context, w->pieces.items[p].members.items);
     cellist_deallocate(context, w->pieces.items[p].reflex.items);
@@ -83,9 +84,15 @@ static void make(work *w, cellist_complex **complex) {
       box_gather(w);
     else
       hull_gather(w);
-    exterior_build(w);
-    pieces_cut_all(w);
-    if (!w->desc.keep_unmerged) pieces_merge(w);
+    const bool delaunay = w->desc.exterior == CELLIST_EXTERIOR_DELAUNAY;
+    if (!delaunay || !delaunay_build(w)) {
+      if (delaunay) w->stats.exterior = CELLIST_EXTERIOR_HULL;
+      exterior_build(w);
+      if (w->desc.exterior == CELLIST_EXTERIOR_GRID) pieces_cut_by_grid(w);
+      pieces_cut_all(w);
+      /* A grid's cells are compact on purpose. */
+      if (!w->desc.keep_unmerged && w->desc.exterior != CELLIST_EXTERIOR_GRID) pieces_merge(w);
+    }
   }
   finish(w, complex);
   if (w->stats.volume_error <= VOLUME_TOLERANCE && w->stats.convexity_violations == 0) return;

@@ -50,11 +50,13 @@ static void grow_table(work *w, size_t size) {
   }
 }
 
-/* The edge between two points, made at its first use; *forward: from a to b. */
-static uint32_t point_edge(work *w, uint32_t a, uint32_t b, bool *forward) {
+uint32_t work_point_edge(work *w, uint32_t a, uint32_t b, bool *forward) {
   *forward = a < b;
   const uint32_t low = a < b ? a : b, high = a < b ? b : a;
-  if (2 * w->edges.count >= w->edge_table.count) grow_table(w, 2 * w->edge_table.count);
+  if (w->edges.count == 0)
+    grow_table(w, 1024);
+  else if (2 * w->edges.count >= w->edge_table.count)
+    grow_table(w, 2 * w->edge_table.count);
   const size_t mask = w->edge_table.count - 1;
   size_t slot = mix((uint64_t)low << 32 | high) & mask;
   for (; w->edge_table.items[slot] != CELLIST_NONE; slot = (slot + 1) & mask) {
@@ -68,7 +70,7 @@ static uint32_t point_edge(work *w, uint32_t a, uint32_t b, bool *forward) {
 
 static void use_points(work *w, uint32_t facet, uint32_t a, uint32_t b) {
   bool forward;
-  const uint32_t edge = point_edge(w, a, b, &forward);
+  const uint32_t edge = work_point_edge(w, a, b, &forward);
   work_add_use(w, facet, edge, forward);
 }
 
@@ -187,7 +189,7 @@ static void find_vertices_on_sides(work *w, hull_sides *s) {
 
 static void chain_add(work *w, hull_sides *s, uint32_t plane, uint32_t a, uint32_t b) {
   bool forward;
-  const uint32_t edge = point_edge(w, a, b, &forward);
+  const uint32_t edge = work_point_edge(w, a, b, &forward);
   list_push(w, &s->chain, (uint64_t)plane << 32 | edge << 1 | !forward);
 }
 
@@ -450,7 +452,6 @@ static void build_facets(work *w, hull_sides *s) {
   share_planes(w, count, w->boundary.items[0].v, &w->boundary.items[0].plane, 5, w->ids.items);
   share_planes(w, w->hull.count, w->hull.items[0].v, &w->hull.items[0].plane, 4, w->ids.items);
   find_vertices_on_sides(w, s);
-  grow_table(w, 1024);
   uint32_t *sides_of = cellist_allocate(w->context, count, sizeof *sides_of);
   w->side_scratch = sides_of;
   if (sides_of == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
@@ -477,7 +478,7 @@ static void build_facets(work *w, hull_sides *s) {
     for (int k = 0; k < 3; k++) {
       const uint32_t *v = w->boundary.items[f].v;
       bool forward;
-      on_side[point_edge(w, v[k], v[(k + 1) % 3], &forward)] = 1;
+      on_side[work_point_edge(w, v[k], v[(k + 1) % 3], &forward)] = 1;
       chain_add(w, s, sides_of[f], v[(k + 1) % 3], v[k]);
     }
   }

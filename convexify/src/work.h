@@ -190,6 +190,7 @@ typedef struct work {
   void *block_scratch;    /* one temporary block, freed with the work if a failure leaves it behind */
   uint32_t *side_scratch; /* per boundary face: its hull side */
 
+  struct delaunay *delaunay;
   output out;
   cellist_convexify_stats stats;
 } work;
@@ -235,6 +236,8 @@ void exact_position(const work *w, uint32_t vertex, double position[3]);
 
 /* Offsets that convexify itself chooses (boxes, grids) are multiples of the extent's power of two less these bits. */
 enum { ADDED_BITS = 12 };
+/* TetGen's own points likewise. */
+enum { MESHER_BITS = 45 };
 
 /* ---- boundary.c, embedded.c, hull.c: what encloses the exterior --------------------------------------------- */
 
@@ -248,10 +251,17 @@ void box_gather(work *w);
 /* ---- exterior.c: facets and pieces of the uncut exterior ---------------------------------------------------- */
 
 void exterior_build(work *w);
+/* The edge between two points, made at its first use; *forward: from a to b. */
+uint32_t work_point_edge(work *w, uint32_t a, uint32_t b, bool *forward);
 uint32_t work_add_edge(work *w, uint32_t a, uint32_t b, uint32_t line_a, uint32_t line_b, bool line_is_points);
 uint32_t work_add_facet(work *w, uint32_t plane, uint32_t front, uint32_t back);
 void work_add_use(work *w, uint32_t facet, uint32_t edge, bool forward);
 uint32_t work_add_piece(work *w);
+
+/* ---- delaunay.c: the exterior as TetGen's tets, checked; false: none that holds, nothing changed ---------------- */
+
+bool delaunay_build(work *w);
+void delaunay_release_work(work *w);
 
 /* ---- sectors.c: what is around an edge ------------------------------------------------------------------------ */
 
@@ -285,6 +295,7 @@ bool surface_contains(work *w, const uint32_t *members, size_t count, uint32_t s
 
 /* A plane to cut the piece with, or CELLIST_NONE if the piece is convex. */
 uint32_t choose_plane(work *w, uint32_t piece);
+void pieces_cut_by_grid(work *w);
 void pieces_cut_all(work *w);
 void pieces_merge(work *w);
 void finish(work *w, cellist_complex **complex);

@@ -104,6 +104,24 @@ TEST(a_box_is_filled_around_every_shape)
   check(&ISLAND, CELLIST_EXTERIOR_BOX, SIZE_MAX);
 }
 
+TEST(a_grid_cuts_first)
+{
+  check(&CUBE, CELLIST_EXTERIOR_GRID, 0);
+  check(&U, CELLIST_EXTERIOR_GRID, SIZE_MAX);
+  check(&ISLAND, CELLIST_EXTERIOR_GRID, SIZE_MAX);
+  check(&SPIRES, CELLIST_EXTERIOR_GRID, SIZE_MAX);
+}
+
+TEST(tetgen_fills_every_shape_or_cutting_does)
+{
+  check(&CUBE, CELLIST_EXTERIOR_DELAUNAY, 0);
+  check(&U, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
+  check(&AT_EDGE, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
+  check(&AT_CORNER, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
+  check(&ISLAND, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
+  check(&TUNNEL, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
+}
+
 /* Each cube has points of its own: seams in full contact part cells, but bound no exterior. */
 TEST(unmerged_seams_become_facets)
 {
@@ -161,7 +179,7 @@ TEST(random_cubes_are_filled)
     for (int i = 0; i < 64; i++) cubes[i] = random_below(&random, 100) < 20 + 2 * seed ? '#' : '.';
     cubes[0] = '#';
     const shape s = {.size = {4, 4, 4}, .cubes = cubes};
-    check(&s, seed % 5 == 0 ? CELLIST_EXTERIOR_BOX : CELLIST_EXTERIOR_HULL, SIZE_MAX);
+    check(&s, (cellist_exterior)(seed % 4), SIZE_MAX);
   }
 }
 
@@ -173,6 +191,55 @@ static cellist_result convexify_tunnel(cellist_context *context, void *user) {
   cellist_complex_destroy(complex);
   cellist_mesh_destroy(mesh);
   return result;
+}
+
+TEST(flawed_meshes_get_a_verdict_that_names_cells)
+{
+  /* Two tets that cross; one tet within another. */
+  static const double crossing[] = {0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0, 4, 1, 1, -1, 5, 1, -1, 1, 5, -1, 1, 1, 3};
+  static const double nested[] = {0, 0, 0, 40, 0, 0, 0, 40, 0, 0, 0, 40, 1, 1, 1, 5, 1, 1, 1, 5, 1, 1, 1, 5};
+  static const uint32_t tets[] = {0, 1, 2, 3, 4, 5, 6, 7};
+  static const uint32_t origin[] = {70, 71};
+  cellist_context *context = harness_context(1);
+  for (int flaw = 0; flaw < 2; flaw++) {
+    const cellist_mesh_desc desc = {.point_count = 8,
+                                    .positions = flaw == 0 ? crossing : nested,
+                                    .tet_count = 2,
+                                    .tets = tets,
+                                    .tet_origin = origin};
+    cellist_mesh *mesh = NULL;
+    assert_success(context, cellist_mesh_create(context, &desc, &mesh));
+    cellist_complex *complex = NULL;
+    assert_failure(context, cellist_convexify(context, mesh, NULL, &complex, NULL), CELLIST_ERROR_GEOMETRY,
+                   flaw == 0 ? "cells 7" : "cell 71 lies inside other cells");
+    assert_null(complex);
+    cellist_mesh_destroy(mesh);
+  }
+  harness_context_destroy(context);
+}
+
+static bool cancel(void *user, const char *stage, double fraction) {
+  (void)stage;
+  (void)fraction;
+  return --*(int *)user > 0;
+}
+
+TEST(a_cancelled_call_leaves_nothing)
+{
+  const shape s = TUNNEL;
+  for (int calls = 4; calls < 12; calls += 3) {
+    int left = calls;
+    const cellist_context_desc desc = {.progress = cancel, .progress_user = &left};
+    cellist_context *context = NULL;
+    assert_int_equal(cellist_context_create(&desc, &context), CELLIST_SUCCESS);
+    cellist_mesh *mesh = NULL;
+    assert_success(context, shape_mesh(context, &s, &mesh));
+    cellist_complex *complex = NULL;
+    assert_failure(context, cellist_convexify(context, mesh, NULL, &complex, NULL), CELLIST_ERROR_CANCELLED, "");
+    assert_null(complex);
+    cellist_mesh_destroy(mesh);
+    cellist_context_destroy(context);
+  }
 }
 
 TEST(every_failed_allocation_is_reported_and_leaks_nothing)

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Real meshes and generated ones: every complex must be valid, exactly convex, of the right volume and free of gaps
+ * along rays; the same again for the same seed on any number of workers. */
+#include <cellist/convexify.h>
+#include <cellist/generate.h>
+#include <string.h>
+
+#include "check_rays.h"
+#include "harness.h"
+
+static void check_mesh(cellist_context *context, const cellist_mesh *mesh, cellist_exterior exterior, uint64_t seeds,
+                       size_t most, int rays) {
+  for (uint64_t seed = 1; seed <= seeds; seed++) {
+    const cellist_convexify_desc desc = {.exterior = exterior, .seed = seed};
+    cellist_complex *complex = NULL;
+    cellist_convexify_stats stats;
+    assert_success(context, cellist_convexify(context, mesh, &desc, &complex, &stats));
+    if (!cellist_complex_is_valid(context, complex, mesh)) fail_msg("%s", cellist_context_take_error(context));
+    assert_true(stats.volume_error <= 1e-12);
+    assert_int_equal(stats.convexity_violations, 0);
+    assert_true(stats.imaginary_cells <= most);
+    check_rays(complex, mesh, rays, seed, 1e-10);
+    cellist_complex_destroy(complex);
+  }
+}
+
+static void check_shared(const char *name, cellist_exterior exterior, uint64_t seeds, size_t most, int rays) {
+  const char *path = shared_data(name);
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_mesh_read(context, path, NULL, &mesh));
+  check_mesh(context, mesh, exterior, seeds, most, rays);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
+TEST(spx)
+{ check_shared("spx.vtu", CELLIST_EXTERIOR_HULL, 3, 860, 40); }
+TEST(spx_in_a_box)
+{ check_shared("spx.vtu", CELLIST_EXTERIOR_BOX, 1, SIZE_MAX, 20); }
+TEST(spx_by_a_grid)
+{ check_shared("spx.vtu", CELLIST_EXTERIOR_GRID, 1, SIZE_MAX, 20); }
+TEST(spx_by_tetgen)
+{ check_shared("spx.vtu", CELLIST_EXTERIOR_DELAUNAY, 1, SIZE_MAX, 20); }
+TEST(octopus)
+{ check_shared("octopus_low.vtu", CELLIST_EXTERIOR_HULL, 3, SIZE_MAX, 40); }
+TEST(torus_with_flat_tets)
+{ check_shared("torus_vt.vtu", CELLIST_EXTERIOR_HULL, 3, 400, 40); }
+TEST(disk_out_ref)
+{ check_shared("disk_out_ref.vtu", CELLIST_EXTERIOR_HULL, 1, SIZE_MAX, 10); }
+TEST(bucky_is_convex)
+{ check_shared("bucky.vtu", CELLIST_EXTERIOR_HULL, 1, 0, 2); }
+
+TEST(can_is_refused_by_name)
+{
+  const char *path = shared_data("can.vtu");
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_mesh_read(context, path, NULL, &mesh));
+  cellist_complex *complex = NULL;
+  assert_failure(context, cellist_convexify(context, mesh, NULL, &complex, NULL), CELLIST_ERROR_GEOMETRY, "cells ");
+  assert_null(complex);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
+TEST(generated_meshes)
+{
+  cellist_context *context = harness_context(1);
+  for (size_t i = 0; cellist_generator_name(i) != NULL; i++) {
+    const char *name = cellist_generator_name(i);
+    const cellist_generate_desc desc = {.size = 600};
+    cellist_mesh *mesh = NULL;
+    assert_success(context, cellist_generate(context, name, &desc, &mesh));
+    if (strcmp(name, "flaws") != 0) check_mesh(context, mesh, CELLIST_EXTERIOR_HULL, 3, SIZE_MAX, 10);
+    cellist_mesh_destroy(mesh);
+  }
+  harness_context_destroy(context);
+}
+
+TEST(results_repeat_on_any_number_of_workers)
+{
+  cellist_complex *complex[2];
+  cellist_mesh *mesh[2];
+  cellist_context *context[2];
+  for (int i = 0; i < 2; i++) {
+    const cellist_generate_desc gears = {.size = 800};
+    const cellist_convexify_desc desc = {.seed = 7};
+    context[i] = harness_context(i == 0 ? 1 : 3);
+    assert_success(context[i], cellist_generate(context[i], "gears", &gears, &mesh[i]));
+    assert_success(context[i], cellist_convexify(context[i], mesh[i], &desc, &complex[i], NULL));
+  }
+  const cellist_complex_arrays *a = cellist_complex_get_arrays(complex[0]), *b = cellist_complex_get_arrays(complex[1]);
+  assert_int_equal(a->facet_count, b->facet_count);
+  assert_int_equal(a->vertex_count, b->vertex_count);
+  assert_memory_equal(a->facet_cells, b->facet_cells, 2 * a->facet_count * sizeof *a->facet_cells);
+  assert_memory_equal(a->vertices, b->vertices, 3 * a->vertex_count * sizeof *a->vertices);
+  for (int i = 0; i < 2; i++) {
+    cellist_complex_destroy(complex[i]);
+    cellist_mesh_destroy(mesh[i]);
+    harness_context_destroy(context[i]);
+  }
+}
