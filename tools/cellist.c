@@ -14,6 +14,7 @@ static const struct {
     {"info", "what a mesh file holds", command_info},
     {"generate", "make a sample mesh", command_generate},
     {"convert", "read a mesh in one format, write it in another", command_convert},
+    {"sort", "put the cells in visibility order, check and time it", command_sort},
     {"render", "draw a mesh", command_render},
     {"compare", "measure how far an image is from a reference", command_compare},
 };

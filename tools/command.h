@@ -8,5 +8,6 @@ int command_generate(int argc, char **argv);
 int command_convert(int argc, char **argv);
 int command_render(int argc, char **argv);
 int command_compare(int argc, char **argv);
+int command_sort(int argc, char **argv);
 
 #endif

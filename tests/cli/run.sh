@@ -56,6 +56,28 @@ case_usage_is_wrong_exit_2() {
   [ ! -e a.png ] || fail "a picture was written"
 }
 
+case_sort_writes_orders_and_figures() {
+  expect 0 sort sample:gears --orbit 30,20 --order order.txt --verify 300 --peer centroid --peer mpvo_nc --json
+  json 'j["order"] == "exact" and j["unsorted"] == 0 and j["inversions"] == 0 and j["pairs"] > 300'
+  json 'j["peers"][0]["name"] == "centroid" and j["peers"][0]["inversions"] > 0 and j["peers"][1]["pairs"] > 0'
+  local tets
+  tets=$(python3 -c "import json; print(json.load(open('out'))['tets'])")
+  [ "$(grep -c '^[0-9]* [0-9]*$' order.txt)" -eq "$tets" ] || fail "order.txt has not one line a tet"
+  [ "$(grep '^[0-9]' order.txt | sort -u | wc -l)" -eq "$tets" ] || fail "order.txt names a tet twice"
+  expect 0 sort sample:grid --views 3 --repeat 2 --parallel 2 --threads 2
+  grep -q "order: exact" out || fail "no text"
+  expect 0 sort sample:grid --order -
+  [ "$(wc -l <out)" -gt 100 ] || fail "no order on standard output"
+  expect 2 sort sample:grid --peer bubble
+  says "--peer is one of"
+  expect 2 sort sample:grid --views 2 --order order.txt
+  expect 2 sort sample:grid --order - --json
+  expect 1 sort sample:grid --order /nonexistent/order.txt
+  says "cannot be written"
+  expect 1 sort nothing.vtu
+  one_line
+}
+
 case_help_and_version() {
   expect 0 --help && grep -q render out || fail "no overview"
   expect 0 --version && grep -Eq '^cellist [0-9]+\.[0-9]+\.[0-9]+$' out || fail "no version"
