@@ -64,6 +64,17 @@ CELLIST_API cellist_result cellist_convexify(cellist_context *context, const cel
                                              const cellist_convexify_desc *desc, cellist_complex **complex,
                                              cellist_convexify_stats *stats);
 
+/* As cellist_convexify, with a file (.cells) that keeps the result: it is read if it is whole and was made of the same
+ * geometry with the same options, bit for bit what was written; otherwise the complex is made and the file (re)written,
+ * whole or not at all. A damaged or stale file is no error.
+ * Arrays: path is the file's name. The rest as above; stats->cached tells which it was.
+ * Errors: as above, and IO (the file cannot be written).
+ * Threads: one call per context at a time; several programs may share a file.
+ * Cost: reading is linear in mesh and complex, mostly the hash of the mesh. */
+CELLIST_API cellist_result cellist_convexify_cached(cellist_context *context, const cellist_mesh *mesh,
+                                                    const cellist_convexify_desc *desc, const char *path,
+                                                    cellist_complex **complex, cellist_convexify_stats *stats);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Cache: a complex in a file, so that convexifying is paid once.
+ *
+ * The file is the arrays as they are (doubles bit by bit, ids as 32 bits, in the byte order of the machine, which the
+ * head tells), with the statistics, a key and a checksum. The key is a hash of everything that the complex depends on:
+ * this file's version, the mesh's points and tets, the options, and whether TetGen was there. A file that is cut,
+ * changed, of another mesh or of other options is no error: the complex is made anew and the file replaced, whole or
+ * not at all. */
+#include <stdio.h>
+#include <unistd.h>
+
+#include "work.h"
+
+/* To be raised whenever the same options give another complex, or the layout below changes. */
+enum { CACHE_VERSION = 1, ARRAY_COUNT = 8 };
+static const char MAGIC[8] = {'C', 'E', 'L', 'L', 'S', '\r', '\n', 26};
+static const uint64_t BYTE_ORDER_MARK = 0x0102030405060708u;
+
+typedef struct cache_head {
+  char magic[8];
+  uint64_t byte_order;
+  uint64_t key[2];
+  uint64_t checksum;  /* of the rest of the head and all arrays */
+  uint64_t counts[8]; /* tets, cells, points, offsets, planes, facets, vertices, corners */
+  double volumes[4];
+  uint64_t numbers[5]; /* exterior, cuts, merges, exterior_facets, convexity_violations */
+} cache_head;
+
+static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t size) {
+  const unsigned char *p = bytes;
+  for (; size >= 8; size -= 8, p += 8) {
+    uint64_t word;
+    memcpy(&word, p, 8);
+    hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 29;
+  }
+  uint64_t rest = size;
+  for (size_t i = 0; i < size; i++) rest = rest << 8 | p[i];
+  hash = (hash ^ rest) * 0xbf58476d1ce4e5b9u;
+  return hash ^ hash >> 31;
+}
+
+static void make_key(const cellist_mesh_arrays *mesh, const cellist_convexify_desc *desc, uint64_t key[2]) {
+#ifdef CELLIST_HAVE_TETGEN
+  const uint64_t has_tetgen = 1;
+#else
+  const uint64_t has_tetgen = 0;
+#endif
+  const uint64_t options[] = {
+      CACHE_VERSION,       has_tetgen,
+      desc->exterior,      desc->candidates > 0 ? desc->candidates : cellist_convexify_desc_default().candidates,
+      desc->score,         desc->seed,
+      desc->keep_unmerged, desc->grid_size,
+      mesh->point_count,   mesh->tet_count};
+  for (int i = 0; i < 2; i++) {
+    uint64_t hash = hash_bytes(i == 0 ? 0x243f6a8885a308d3u : 0x13198a2e03707344u, options, sizeof options);
+    hash = hash_bytes(hash, mesh->positions, 3 * mesh->point_count * sizeof *mesh->positions);
+    hash = hash_bytes(hash, mesh->tets, 4 * mesh->tet_count * sizeof *mesh->tets);
+    key[i] = hash_bytes(hash, mesh->neighbours, 4 * mesh->tet_count * sizeof *mesh->neighbours);
+  }
+}
+
+/* The complex's arrays in the file's order; sizes in bytes. */
+static void list_arrays(cellist_complex_arrays *a, const void **blocks[ARRAY_COUNT], size_t sizes[ARRAY_COUNT],
+                        size_t corner_count) {
+  const void **all[ARRAY_COUNT] = {(const void **)&a->points,         (const void **)&a->offsets,
+                                   (const void **)&a->planes,         (const void **)&a->facet_planes,
+                                   (const void **)&a->facet_cells,    (const void **)&a->facet_starts,
+                                   (const void **)&a->facet_vertices, (const void **)&a->vertices};
+  const size_t bytes[ARRAY_COUNT] = {24 * a->point_count, 8 * a->offset_count, 12 * a->plane_count,
+                                     4 * a->facet_count,  8 * a->facet_count,  4 * (a->facet_count + 1),
+                                     4 * corner_count,    24 * a->vertex_count};
+  memcpy(blocks, all, sizeof all);
+  memcpy(sizes, bytes, sizeof bytes);
+}
+
+static uint64_t checksum_of(const cache_head *head, const void **const blocks[ARRAY_COUNT],
+                            const size_t sizes[ARRAY_COUNT]) {
+  uint64_t hash = hash_bytes(head->key[0], head->counts, sizeof *head - offsetof(cache_head, counts));
+  for (int i = 0; i < ARRAY_COUNT; i++) hash = hash_bytes(hash, *blocks[i], sizes[i]);
+  return hash;
+}
+
+static void fill_stats(const cache_head *head, const cellist_complex_arrays *a, cellist_convexify_stats *stats) {
+  *stats = (cellist_convexify_stats){.exterior = (cellist_exterior)head->numbers[0],
+                                     .imaginary_cells = a->cell_count - a->tet_count,
+                                     .facets = a->facet_count,
+                                     .planes = a->plane_count,
+                                     .cuts = head->numbers[1],
+                                     .merges = head->numbers[2],
+                                     .exterior_facets = head->numbers[3],
+                                     .convexity_violations = head->numbers[4],
+                                     .hull_volume = head->volumes[0],
+                                     .mesh_volume = head->volumes[1],
+                                     .imaginary_volume = head->volumes[2],
+                                     .volume_error = head->volumes[3],
+                                     .cached = true};
+}
+
+/* Whether the rest of the file is exactly as long as the head says. */
+static bool has_length(FILE *file, uint64_t payload) {
+  if (fseeko(file, 0, SEEK_END) != 0) return false;
+  const off_t end = ftello(file);
+  return end >= 0 && (uint64_t)end == sizeof(cache_head) + payload &&
+         fseeko(file, (off_t)sizeof(cache_head), SEEK_SET) == 0;
+}
+
+/* Reads the file if it is whole and has this key. *complex stays NULL if not; an error is lack of memory only. */
+static cellist_result read_cache(cellist_context *context, const char *path, const uint64_t key[2],
+                                 cellist_complex **complex, cellist_convexify_stats *stats) {
+  FILE *file = fopen(path, "rb");
+  if (file == NULL) return CELLIST_SUCCESS;
+  cache_head head;
+  cellist_complex_arrays a = {0};
+  const void **blocks[ARRAY_COUNT];
+  size_t sizes[ARRAY_COUNT];
+  bool usable = fread(&head, sizeof head, 1, file) == 1 && memcmp(head.magic, MAGIC, sizeof MAGIC) == 0 &&
+                head.byte_order == BYTE_ORDER_MARK && head.key[0] == key[0] && head.key[1] == key[1];
+  for (int i = 0; usable && i < 8; i++) usable = head.counts[i] <= UINT32_MAX;
+  cellist_result result = CELLIST_SUCCESS;
+  if (usable) {
+    size_t *counts[] = {&a.tet_count,   &a.cell_count,  &a.point_count, &a.offset_count,
+                        &a.plane_count, &a.facet_count, &a.vertex_count};
+    for (int i = 0; i < 7; i++) *counts[i] = head.counts[i];
+    list_arrays(&a, blocks, sizes, head.counts[7]);
+    uint64_t payload = 0;
+    for (int i = 0; i < ARRAY_COUNT; i++) payload += sizes[i];
+    usable = has_length(file, payload);
+    for (int i = 0; usable && i < ARRAY_COUNT; i++) {
+      void *block = cellist_allocate(context, sizes[i], 1);
+      *blocks[i] = block;
+      if (block == NULL) result = CELLIST_ERROR_OUT_OF_MEMORY;
+      usable = block != NULL && (sizes[i] == 0 || fread(block, sizes[i], 1, file) == 1);
+    }
+    usable = usable && checksum_of(&head, (const void **const *)blocks, sizes) == head.checksum &&
+             a.facet_starts[a.facet_count] == head.counts[7];
+    if (usable) result = cellist_complex_create(context, &a, complex);
+    if (usable && result == CELLIST_SUCCESS) fill_stats(&head, &a, stats);
+    for (int i = 0; i < ARRAY_COUNT; i++) cellist_deallocate(context, (void *)*blocks[i]);
+  }
+  fclose(file);
+  return result;
+}
+
+static bool write_all(FILE *file, const cache_head *head, const void **const blocks[ARRAY_COUNT],
+                      const size_t sizes[ARRAY_COUNT]) {
+  bool ok = fwrite(head, sizeof *head, 1, file) == 1;
+  for (int i = 0; ok && i < ARRAY_COUNT; i++) ok = sizes[i] == 0 || fwrite(*blocks[i], sizes[i], 1, file) == 1;
+  return ok;
+}
+
+static cellist_result write_cache(cellist_context *context, const char *path, const uint64_t key[2],
+                                  const cellist_complex *complex, const cellist_convexify_stats *stats) {
+  cellist_complex_arrays a = *cellist_complex_get_arrays(complex);
+  const size_t corner_count = a.facet_starts[a.facet_count];
+  cache_head head = {
+      .byte_order = BYTE_ORDER_MARK,
+      .key = {key[0], key[1]},
+      .counts = {a.tet_count, a.cell_count, a.point_count, a.offset_count, a.plane_count, a.facet_count, a.vertex_count,
+                 corner_count},
+      .volumes = {stats->hull_volume, stats->mesh_volume, stats->imaginary_volume, stats->volume_error},
+      .numbers = {stats->exterior, stats->cuts, stats->merges, stats->exterior_facets, stats->convexity_violations}};
+  memcpy(head.magic, MAGIC, sizeof MAGIC);
+  const void **blocks[ARRAY_COUNT];
+  size_t sizes[ARRAY_COUNT];
+  list_arrays(&a, blocks, sizes, corner_count);
+  head.checksum = checksum_of(&head, (const void **const *)blocks, sizes);
+
+  const size_t length = strlen(path) + 32;
+  char *partial = cellist_allocate(context, length, 1);
+  if (partial == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  snprintf(partial, length, "%s.%ld.part", path, (long)getpid());
+  FILE *file = fopen(partial, "wb");
+  bool ok = file != NULL && write_all(file, &head, (const void **const *)blocks, sizes);
+  if (file != NULL) ok = fclose(file) == 0 && ok;
+  ok = ok && rename(partial, path) == 0;
+  if (!ok && file != NULL) remove(partial);
+  cellist_deallocate(context, partial);
+  return ok ? CELLIST_SUCCESS : cellist_fail(context, CELLIST_ERROR_IO, "%s cannot be written", path);
+}
+
+cellist_result cellist_convexify_cached(cellist_context *context, const cellist_mesh *mesh,
+                                        const cellist_convexify_desc *desc, const char *path, cellist_complex **complex,
+                                        cellist_convexify_stats *stats) {
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (mesh == NULL || complex == NULL || path == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_convexify_cached: an argument is NULL");
+  const cellist_convexify_desc defaults = cellist_convexify_desc_default();
+  cellist_convexify_stats own;
+  uint64_t key[2];
+  make_key(cellist_mesh_get_arrays(mesh), desc != NULL ? desc : &defaults, key);
+  cellist_complex *made = NULL;
+  cellist_result result = read_cache(context, path, key, &made, &own);
+  if (result == CELLIST_SUCCESS && made == NULL) {
+    result = cellist_convexify(context, mesh, desc, &made, &own);
+    if (result == CELLIST_SUCCESS) result = write_cache(context, path, key, made, &own);
+    if (result != CELLIST_SUCCESS) {
+      cellist_complex_destroy(made);
+      made = NULL;
+    }
+  }
+  if (result != CELLIST_SUCCESS) return result;
+  *complex = made;
+  if (stats != NULL) *stats = own;
+  return CELLIST_SUCCESS;
+}
