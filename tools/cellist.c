@@ -15,6 +15,9 @@ static const struct {
     {"generate", "make a sample mesh", command_generate},
     {"convert", "read a mesh in one format, write it in another", command_convert},
     {"sort", "put the cells in visibility order, check and time it", command_sort},
+#ifdef CELLIST_HAS_CONVEXIFY
+    {"convexify", "fill what a mesh lacks of its convex hull", command_convexify},
+#endif
     {"render", "draw a mesh", command_render},
     {"compare", "measure how far an image is from a reference", command_compare},
 };

@@ -5,6 +5,7 @@
 
 int command_info(int argc, char **argv);
 int command_generate(int argc, char **argv);
+int command_convexify(int argc, char **argv);
 int command_convert(int argc, char **argv);
 int command_render(int argc, char **argv);
 int command_compare(int argc, char **argv);

@@ -214,6 +214,25 @@ case_golden_pictures_stay_as_they_are() {
   done <"$here/../golden/pictures.txt"
 }
 
+case_convexify_keeps_its_result() {
+  "$cellist" convexify --help >/dev/null 2>&1 || { echo "skipped: this build has no convexifier" && exit 77; }
+  expect 2 convexify sample:gears
+  says "-o FILE.cells is missing"
+  expect 2 convexify sample:gears -o a.cells --exterior sphere
+  expect 0 convexify sample:gears -o a.cells --json
+  json "j['imaginary_cells'] > 100 and j['volume_error'] < 1e-12 and j['convexity_violations'] == 0 and not j['cached']"
+  cp a.cells first.cells
+  expect 0 convexify sample:gears -o a.cells --json
+  json "j['cached'] and j['imaginary_cells'] > 100 and j['cuts'] > 0 and j['seconds'] < 60 and j['peak_mb'] > 1"
+  cmp -s a.cells first.cells || fail "reading changed the file"
+  expect 0 convexify sample:gears -o a.cells --exterior grid --json
+  json "j['exterior'] == 'grid' and not j['cached']"
+  expect 0 convexify sample:grid -o b.cells
+  grep -q "imaginary cells   0" out || fail "a box of cubes is convex"
+  expect 1 convexify sample:grid -o no/such/folder/a.cells
+  says "cannot be written"
+}
+
 case_full_disk_and_unwritable_output() {
   [ -e /dev/full ] || exit 77
   "$cellist" render sample:grid -o - --size 64x64 >/dev/full 2>err && fail "a full disk went unnoticed"

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * cellist convexify: fills what lies between a mesh and its convex hull with convex cells, once, into a file. */
+#include <cellist/convexify.h>
+#include <cellist/pipeline.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#include "command.h"
+#include "mesh_options.h"
+#include "terminal.h"
+
+static const char *const EXTERIORS[] = {"hull", "box", "grid", "delaunay"};
+
+/* The most memory that the process has held, in MB (Linux counts it in KiB). */
+static double peak_megabytes(void) {
+  struct rusage usage;
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return (double)usage.ru_maxrss * 1024 / 1e6;
+}
+
+static int report_json(const cellist_convexify_stats *s, double seconds) {
+  return terminal_print_json(json_pack(
+      "{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:I, s:f, s:b}", "exterior", EXTERIORS[s->exterior],
+      "exterior_facets", (json_int_t)s->exterior_facets, "imaginary_cells", (json_int_t)s->imaginary_cells, "facets",
+      (json_int_t)s->facets, "planes", (json_int_t)s->planes, "cuts", (json_int_t)s->cuts, "merges",
+      (json_int_t)s->merges, "hull_volume", s->hull_volume, "mesh_volume", s->mesh_volume, "imaginary_volume",
+      s->imaginary_volume, "volume_error", s->volume_error, "seconds", seconds, "convexity_violations",
+      (json_int_t)s->convexity_violations, "peak_mb", peak_megabytes(), "cached", s->cached));
+}
+
+static int report_text(const cellist_convexify_stats *s, double seconds) {
+  printf("exterior          %s\n", EXTERIORS[s->exterior]);
+  printf("imaginary cells   %zu\n", s->imaginary_cells);
+  printf("facets            %zu in %zu planes\n", s->facets, s->planes);
+  printf("cuts, merges      %zu, %zu\n", s->cuts, s->merges);
+  printf("volume            hull %.9g = mesh %.9g + imaginary %.9g, off by %.2g of the hull\n", s->hull_volume,
+         s->mesh_volume, s->imaginary_volume, s->volume_error);
+  printf("seconds           %.3f%s\n", seconds, s->cached ? ", read from the file" : "");
+  return terminal_finish();
+}
+
+int command_convexify(int argc, char **argv) {
+  const char *output = NULL, *exterior = "hull", *score = "own";
+  unsigned candidates = 0, grid_size = 0;
+  unsigned long long seed = 1;
+  bool json = false, keep_unmerged = false;
+  mesh_options options;
+  option_spec mesh_table[MESH_OPTION_COUNT];
+  mesh_options_init(&options, mesh_table);
+  const option_spec table[] = {
+      {"o", "FILE.cells", "where the result is kept; read if it is there and fits", OPTION_TEXT, &output},
+      {"exterior", "hull|box|grid|delaunay|auto", "what is added (hull); auto: delaunay, where TetGen takes the mesh",
+       OPTION_CHOICE, &exterior},
+      {"candidates", "K", "reflex edges whose planes compete for a cut (20)", OPTION_COUNT, &candidates},
+      {"score", "own|paper", "how candidates are compared (own)", OPTION_CHOICE, &score},
+      {"seed", "N", "of the random choice of candidates (1)", OPTION_SEED, &seed},
+      {"grid-size", "N", "grid: planes along the longest axis", OPTION_COUNT, &grid_size},
+      {"no-merge", "", "do not join neighbours whose union is convex", OPTION_FLAG, &keep_unmerged},
+      {"json", "", "print one JSON object", OPTION_FLAG, &json},
+      {NULL, NULL, NULL, OPTION_FLAG, NULL},
+  };
+  static const char *const examples[] = {"cellist convexify mesh.vtu -o mesh.cells",
+                                         "cellist convexify sample:gears -o gears.cells --exterior delaunay --json",
+                                         NULL};
+  const command_usage usage = {"convexify",
+                               "MESH -o FILE.cells",
+                               "Makes a mesh convex: fills the rest of its hull with convex cells, exactly.",
+                               1,
+                               1,
+                               examples,
+                               {table, mesh_table}};
+  size_t positional = 0;
+  const parse_result parsed = options_parse(&usage, argc, argv, &positional);
+  if (parsed != PARSE_OK) return parse_exit(parsed);
+  cellist_mesh_read_desc read_desc;
+  const char *wrong = mesh_options_resolve(&options, &read_desc);
+  if (wrong != NULL) return wrong_usage("convexify", "%s", wrong);
+  if (output == NULL) return wrong_usage("convexify", "-o FILE.cells is missing");
+
+  cellist_convexify_desc desc = {.exterior = CELLIST_EXTERIOR_DELAUNAY,
+                                 .candidates = candidates,
+                                 .score = strcmp(score, "paper") == 0 ? CELLIST_SCORE_PAPER : CELLIST_SCORE_OWN,
+                                 .seed = seed,
+                                 .keep_unmerged = keep_unmerged,
+                                 .grid_size = grid_size};
+  for (int i = 0; i < 4; i++)
+    if (strcmp(exterior, EXTERIORS[i]) == 0) desc.exterior = (cellist_exterior)i;
+
+  cellist_context *context = terminal_context(0);
+  if (context == NULL) return 1;
+  cellist_mesh *mesh = NULL;
+  cellist_complex *complex = NULL;
+  cellist_convexify_stats stats;
+  double seconds = 0;
+  cellist_result result = cellist_pipeline_load(context, argv[1], &read_desc, &mesh);
+  if (result == CELLIST_SUCCESS) {
+    const double begin = terminal_seconds();
+    result = cellist_convexify_cached(context, mesh, &desc, output, &complex, &stats);
+    seconds = terminal_seconds() - begin;
+  }
+  int status = 0;
+  if (result != CELLIST_SUCCESS) {
+    status = terminal_failure(context, result);
+  } else {
+    terminal_clear_progress();
+    status = json ? report_json(&stats, seconds) : report_text(&stats, seconds);
+  }
+  cellist_complex_destroy(complex);
+  cellist_mesh_destroy(mesh);
+  cellist_context_destroy(context);
+  return status;
+}
