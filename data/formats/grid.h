@@ -84,6 +84,10 @@ int grid_cell_corners(uint8_t type, bool *is_simplified);
 enum { SPLIT_LIMIT = 12 };
 size_t grid_split_cell(uint8_t type, const uint32_t *ids, uint32_t tets[][4]);
 
+/* polyhedron.c: replaces polyhedra by tets; cell_origin leads back. Points are added after the grid's own.
+ * Errors: UNSUPPORTED with the cell's id (not closed, not convex). */
+cellist_result grid_split_polyhedra(cellist_context *context, struct grid *grid);
+
 /* grid_to_mesh.c: makes the mesh and empties the grid, failing or not. desc may be NULL. */
 cellist_result grid_to_mesh(cellist_context *context, struct grid *grid, const cellist_mesh_read_desc *desc,
                             cellist_mesh **mesh);

@@ -231,11 +231,26 @@ static void log_what_was_left_out(const struct conversion *conversion) {
                 facts->coincident_point_count);
 }
 
+/* Polyhedra add points; with merged points, their ids go on after the file's. */
+static cellist_result split_polyhedra(cellist_context *context, struct grid *grid, size_t file_point_count,
+                                      uint32_t **point_origin) {
+  if (grid->cell_count == 0 || memchr(grid->types, GRID_POLYHEDRON, grid->cell_count) == NULL) return CELLIST_SUCCESS;
+  const size_t old_count = grid->point_count;
+  const cellist_result result = grid_split_polyhedra(context, grid);
+  if (result != CELLIST_SUCCESS || *point_origin == NULL) return result;
+  uint32_t *origin = cellist_reallocate(context, *point_origin, old_count, grid->point_count, sizeof *origin);
+  if (origin == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (size_t i = old_count; i < grid->point_count; i++) origin[i] = (uint32_t)(file_point_count + i - old_count);
+  *point_origin = origin;
+  return CELLIST_SUCCESS;
+}
+
 cellist_result grid_to_mesh(cellist_context *context, struct grid *grid, const cellist_mesh_read_desc *desc,
                             cellist_mesh **mesh) {
   struct conversion conversion = {.context = context, .grid = grid, .strict = desc != NULL && desc->strict};
   mesh_parts parts = {0};
   cellist_result result = CELLIST_SUCCESS;
+  const size_t file_point_count = grid->point_count;
   const size_t file_cell_count = grid->cell_count + grid->skipped_cell_count;
   conversion.facts.skipped_cell_count = grid->skipped_cell_count;
   if (desc != NULL && desc->merge)
@@ -244,6 +259,7 @@ cellist_result grid_to_mesh(cellist_context *context, struct grid *grid, const c
   /* After an exact merge there are none left; after one by distance neither. */
   else
     result = grid_count_coincident_points(context, grid, &conversion.facts.coincident_point_count);
+  if (result == CELLIST_SUCCESS) result = split_polyhedra(context, grid, file_point_count, &parts.point_origin);
   if (result == CELLIST_SUCCESS) result = convert(&conversion, &parts);
   if (result == CELLIST_SUCCESS) {
     conversion.facts.file_cell_count = file_cell_count;
