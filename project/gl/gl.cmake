@@ -36,3 +36,5 @@ cellist_add_library(gl
 foreach(backend IN ITEMS OSMESA EGL GLFW)
   target_compile_definitions(cellist_gl PRIVATE CELLIST_HAVE_${backend}=$<BOOL:${${backend}_FOUND}>)
 endforeach()
+string(FIND "${CELLIST_SANITIZE}" address gl_leak_check)
+target_compile_definitions(cellist_gl PRIVATE CELLIST_LEAK_CHECK=$<NOT:$<EQUAL:${gl_leak_check},-1>>)

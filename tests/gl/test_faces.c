@@ -154,7 +154,7 @@ TEST(a_uniform_cell_matches_the_closed_form)
   harness_context_destroy(context);
 }
 
-/* Depths from thin to opaque, extinction rising and falling: every branch of the closed form. */
+/* Depths from thin to opaque, extinction rising and falling. */
 TEST(all_optical_depths_match_the_closed_form)
 {
   const double values[4] = {0, 1, 0.3, 0.8};
@@ -174,6 +174,13 @@ TEST(all_optical_depths_match_the_closed_form)
       if (!(tally.worst <= 1e-5)) fail_msg("extinction %g, eye %d: worst error %g", strength, i, tally.worst);
     }
   }
+  cellist_transfer_knot knots[] = {{0, 1e12, {1, 0, 0.2}}, {1, 1e12, {1, 0, 0.2}}}; /* a wall: its front is all */
+  const cellist_transfer wall = {2, knots};
+  const cellist_frame frame = stage_frame(context, eyes[0], CENTRE, 0, 0, 48);
+  const uint32_t order = 0;
+  assert_success(context, cellist_gl_render(made.gl, &frame, &wall, &order, 1, NULL, made.image, NULL));
+  assert_true(fabs(cellist_image_channel(made.image, "R")[24 * 48 + 24] - 1) < 1e-6);
+  assert_true(fabs(cellist_image_channel(made.image, "A")[24 * 48 + 24] - 1) < 1e-6);
   stage_close(&made);
   harness_context_destroy(context);
 }
