@@ -81,7 +81,7 @@ case_sort_writes_orders_and_figures() {
 case_help_and_version() {
   expect 0 --help && grep -q render out || fail "no overview"
   expect 0 --version && grep -Eq '^cellist [0-9]+\.[0-9]+\.[0-9]+$' out || fail "no version"
-  for command in info generate convert render compare; do
+  for command in info generate convert convexify sort render compare; do
     expect 0 $command --help
     grep -q '^examples:' out || fail "$command --help has no examples"
   done
