@@ -32,8 +32,9 @@ static bool flat_segments_meet(const work *w, int axis, uint32_t a, uint32_t b, 
 }
 
 /* Whether the closed segment p q meets the closed triangle. */
-static bool segment_meets(const work *w, uint32_t p, uint32_t q, const uint32_t t[3]) {
-  const int at_p = orient(w, t[0], t[1], t[2], p), at_q = orient(w, t[0], t[1], t[2], q);
+static bool segment_meets(work *w, uint32_t p, uint32_t q, const boundary_face *face) {
+  const uint32_t *t = face->v;
+  const int at_p = exact_side(w, p, face->plane), at_q = exact_side(w, q, face->plane);
   if (at_p * at_q > 0) return false;
   if (at_p != 0 || at_q != 0) {
     const int a = orient(w, p, q, t[0], t[1]), b = orient(w, p, q, t[1], t[2]), c = orient(w, p, q, t[2], t[0]);
@@ -50,7 +51,8 @@ static bool segment_meets(const work *w, uint32_t p, uint32_t q, const uint32_t 
 }
 
 /* Whether two faces meet in more than the vertices that they share. */
-static bool faces_cross(const work *w, const uint32_t a[3], const uint32_t b[3]) {
+static bool faces_cross(work *w, const boundary_face *first, const boundary_face *second) {
+  const uint32_t *a = first->v, *b = second->v;
   int shared = 0, own_a = 0, own_b = 0; /* sums of the corners that are shared: 0 + 1 + 2 less these are the others */
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
@@ -63,17 +65,18 @@ static bool faces_cross(const work *w, const uint32_t a[3], const uint32_t b[3])
   if (shared == 2) {
     const int i = 3 - own_a, j = 3 - own_b;
     const uint32_t u = a[(i + 1) % 3], v = a[(i + 2) % 3];
-    if (orient(w, u, v, a[i], b[j]) != 0) return false;
+    if (exact_side(w, b[j], first->plane) != 0) return false;
     int axis = 0;
     while (flat_turn(w, axis, u, v, a[i]) == 0) axis++;
     return flat_turn(w, axis, u, v, a[i]) == flat_turn(w, axis, u, v, b[j]);
   }
   if (shared == 1) {
     const int i = own_a, j = own_b;
-    return segment_meets(w, a[(i + 1) % 3], a[(i + 2) % 3], b) || segment_meets(w, b[(j + 1) % 3], b[(j + 2) % 3], a);
+    return segment_meets(w, a[(i + 1) % 3], a[(i + 2) % 3], second) ||
+           segment_meets(w, b[(j + 1) % 3], b[(j + 2) % 3], first);
   }
   for (int i = 0; i < 3; i++)
-    if (segment_meets(w, a[i], a[(i + 1) % 3], b) || segment_meets(w, b[i], b[(i + 1) % 3], a)) return true;
+    if (segment_meets(w, a[i], a[(i + 1) % 3], second) || segment_meets(w, b[i], b[(i + 1) % 3], first)) return true;
   return false;
 }
 
@@ -101,7 +104,7 @@ void boundary_check_embedded(work *w) {
     tree_meeting(w, ids->items, count, boxes->items, nodes->items, &boxes->items[6 * f], near);
     for (size_t i = 0; i < near->count; i++) {
       const uint32_t g = near->items[i];
-      if (g <= f || !faces_cross(w, w->boundary.items[f].v, w->boundary.items[g].v)) continue;
+      if (g <= f || !faces_cross(w, &w->boundary.items[f], &w->boundary.items[g])) continue;
       const uint32_t *origin = w->mesh->tet_origin;
       cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
                    "boundary faces of cells %u and %u cross, or touch other than at shared vertices and edges",

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Benchmark of the convexifier: bench_convexify [NAME...] with names of shared meshes (spx.vtu) or generators
- * (gears, gears:20000 for a size, gears:20000:7 for parts too). Prints CSV: one line per mesh, exterior and seed. */
-#define _POSIX_C_SOURCE 200809L
+ * (gears, gears:20000 for a size, gears:20000:7 for parts too), or
+ * spheres:TRIANGLES, two of them. Prints CSV: one line per mesh, exterior and seed;
+ * seconds are of the processor. Options first: -hull -box -grid -delaunay, -sSEEDS, -kCANDIDATES, -paper, -unmerged. */
+#define _XOPEN_SOURCE 700
 #include <cellist/convexify.h>
 #include <cellist/generate.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +14,47 @@
 
 static double seconds(void) {
   struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Two spheres of about size triangles each, a radius apart: tets from the centres to the surface. Rounded coordinates
+ * make every edge of theirs a little convex or reflex, so the space between them takes the most cuts a facet. */
+static cellist_mesh *two_spheres(cellist_context *context, size_t size) {
+  const uint32_t rings = (uint32_t)fmax(3, sqrt((double)size / 4)), around = 2 * rings;
+  const size_t points_each = 3 + (size_t)(rings - 1) * around, tets_each = 2 * (size_t)around * (rings - 1);
+  double *points = malloc(2 * points_each * 3 * sizeof *points);
+  uint32_t *tets = malloc(2 * tets_each * 4 * sizeof *tets);
+  size_t tet = 0;
+  for (uint32_t s = 0; s < 2; s++) {
+    const uint32_t base = s * (uint32_t)points_each;
+    double *p = &points[3 * (size_t)base];
+    const double centre[3] = {3.0 * s, 0.3 * s, 0.1 * s};
+    for (uint32_t i = 0; i < points_each; i++) {
+      const double z = i == 0 ? 0 : i == 1 ? -1 : i == 2 ? 1 : -cos(M_PI * ((i - 3) / around + 1) / rings);
+      const double r = i < 3 ? 0 : sqrt(1 - z * z),
+                   angle = 2 * M_PI * (i < 3 ? 0 : (i - 3) % around + 0.25 * s) / around;
+      const double at[3] = {r * cos(angle), r * sin(angle), z};
+      for (int k = 0; k < 3; k++) p[3 * i + (uint32_t)k] = (float)(centre[k] + at[k]);
+    }
+    for (uint32_t ring = 0; ring < rings; ring++)
+      for (uint32_t a = 0; a < around; a++) {
+        const uint32_t b = (a + 1) % around, low = base + 3 + (ring - 1) * around, high = base + 3 + ring * around;
+        const uint32_t lower[4] = {base, ring > 0 ? low + a : base + 1, ring > 0 ? low + b : base + 1, high + b};
+        const uint32_t upper[4] = {base, ring > 0 ? low + a : base + 1, high + b, high + a};
+        if (ring > 0) {
+          memcpy(&tets[4 * tet++], lower, sizeof lower);
+          if (ring == rings - 1) tets[4 * tet - 1] = base + 2;
+        }
+        if (ring < rings - 1) memcpy(&tets[4 * tet++], upper, sizeof upper);
+      }
+  }
+  const cellist_mesh_desc desc = {.point_count = 2 * points_each, .positions = points, .tet_count = tet, .tets = tets};
+  cellist_mesh *mesh = NULL;
+  cellist_mesh_create(context, &desc, &mesh);
+  free(points);
+  free(tets);
+  return mesh;
 }
 
 static cellist_mesh *load(cellist_context *context, const char *name) {
@@ -32,6 +74,7 @@ static cellist_mesh *load(cellist_context *context, const char *name) {
     desc.size = strtoull(size, &size, 10);
     if (*size == ':') desc.parts = (uint32_t)strtoul(size + 1, NULL, 10);
   }
+  if (strcmp(generator, "spheres") == 0) return two_spheres(context, desc.size);
   cellist_generate(context, generator, &desc, &mesh);
   return mesh;
 }
