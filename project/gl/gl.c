@@ -11,12 +11,14 @@
 #include "program.h"
 #include "target.h"
 
-extern const char cellist_text_faces_vert[], cellist_text_faces_frag[], cellist_text_exact_glsl[];
+extern const char cellist_text_faces_vert[], cellist_text_faces_frag[], cellist_text_exact_glsl[],
+    cellist_text_emission_glsl[], cellist_text_maximum_glsl[], cellist_text_isosurfaces_glsl[];
 
 /* Cells a chunk: 168 bytes each then stay below 6 MB, and the chunks are few. */
 enum { CHUNK_CELLS = 32768, CHUNK_GRAINS = CHUNK_CELLS / GL_CELLS_GRAIN };
 
-enum { VARIANT_PARALLEL = 1, VARIANT_DEPTH = 2, VARIANT_COUNT = 4 };
+/* A program for each projection, with and without depth, and each model. */
+enum { VARIANT_PARALLEL = 1, VARIANT_DEPTH = 2, VARIANT_MODEL = 4, VARIANT_COUNT = 20 };
 
 struct cellist_gl {
   cellist_context *context;
@@ -163,6 +165,7 @@ cellist_result cellist_gl_upload(cellist_gl *gl, const cellist_mesh *mesh, const
 struct drawing {
   cellist_gl *gl;
   const cellist_frame *frame;
+  const cellist_transfer *transfer;
   const uint32_t *order;
   size_t order_count;
   gl_intervals intervals;
@@ -185,9 +188,11 @@ static cellist_result check_arguments(const cellist_gl *gl, const cellist_frame 
     if (order[i] >= gl->mesh.arrays->tet_count)
       return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the order names tet %u, but there are only %zu",
                           order[i], gl->mesh.arrays->tet_count);
-  if (settings->optics.model != CELLIST_MODEL_EMISSION_ABSORPTION || settings->optics.light.enabled)
-    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
-                        "this renderer draws emission and absorption without light");
+  if ((unsigned)settings->optics.model > CELLIST_MODEL_ISOSURFACES)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no model has the number %d",
+                        (int)settings->optics.model);
+  if (settings->optics.light.enabled)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this renderer draws without light");
   if ((unsigned)settings->framebuffer > CELLIST_FRAMEBUFFER_8)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no framebuffer has the number %d",
                         (int)settings->framebuffer);
@@ -196,13 +201,21 @@ static cellist_result check_arguments(const cellist_gl *gl, const cellist_frame 
 
 static cellist_result use_program(cellist_gl *gl, unsigned variant, const cellist_frame *frame) {
   static const char *const vertex[] = {cellist_text_faces_vert, NULL};
-  static const char *const fragment[] = {cellist_text_exact_glsl, cellist_text_faces_frag, NULL};
-  static const char *const defines[VARIANT_COUNT] = {"", "#define PARALLEL\n", "#define WITH_DEPTH\n",
+  static const char *const models[] = {
+      [CELLIST_MODEL_EMISSION_ABSORPTION] = cellist_text_exact_glsl,
+      [CELLIST_MODEL_ABSORPTION] = cellist_text_exact_glsl,
+      [CELLIST_MODEL_EMISSION] = cellist_text_emission_glsl,
+      [CELLIST_MODEL_MAXIMUM] = cellist_text_maximum_glsl,
+      [CELLIST_MODEL_ISOSURFACES] = cellist_text_isosurfaces_glsl,
+  };
+  const char *const fragment[] = {models[variant / VARIANT_MODEL], cellist_text_faces_frag, NULL};
+  static const char *const defines[VARIANT_MODEL] = {"", "#define PARALLEL\n", "#define WITH_DEPTH\n",
                                                      "#define PARALLEL\n#define WITH_DEPTH\n"};
   const gl_api *api = &gl->api;
   GLuint *program = &gl->programs[variant];
   if (*program == 0) {
-    const cellist_result result = gl_program_build(gl->context, api, defines[variant], vertex, fragment, program);
+    const cellist_result result =
+        gl_program_build(gl->context, api, defines[variant % VARIANT_MODEL], vertex, fragment, program);
     if (result != CELLIST_SUCCESS) return result;
   }
   api->UseProgram(*program);
@@ -250,11 +263,16 @@ static cellist_result draw(struct drawing *drawing, const cellist_gl_settings *s
   cellist_gl *gl = drawing->gl;
   const gl_api *api = &gl->api;
   const cellist_frame *frame = drawing->frame;
+  const bool maximum = settings->optics.model == CELLIST_MODEL_MAXIMUM;
   const bool with_depth = cellist_image_channel(image, "Z") != NULL || cellist_image_channel(image, "ZBack") != NULL;
   cellist_result result =
-      gl_target_begin(gl->context, api, &gl->target, frame->width, frame->height, settings->framebuffer, with_depth);
+      gl_target_begin(gl->context, api, &gl->target, frame->width, frame->height,
+                      maximum ? CELLIST_FRAMEBUFFER_32F : settings->framebuffer, with_depth, maximum);
   if (result == CELLIST_SUCCESS)
-    result = use_program(gl, (frame->parallel ? VARIANT_PARALLEL : 0) | (with_depth ? VARIANT_DEPTH : 0), frame);
+    result = use_program(gl,
+                         (frame->parallel ? VARIANT_PARALLEL : 0) | (with_depth ? VARIANT_DEPTH : 0) |
+                             VARIANT_MODEL * (unsigned)settings->optics.model,
+                         frame);
   if (result != CELLIST_SUCCESS) return result;
 
   api->BindVertexArray(gl->vertices);
@@ -279,7 +297,8 @@ static cellist_result draw(struct drawing *drawing, const cellist_gl_settings *s
   if (result != CELLIST_SUCCESS) return result;
   api->GetQueryObjectui64v(gl->query, GL_QUERY_RESULT, &drawing->stats.fragment_count);
   result = check_errors(gl, "drawing");
-  if (result == CELLIST_SUCCESS) result = gl_target_read(gl->context, api, &gl->target, image);
+  if (result == CELLIST_SUCCESS)
+    result = gl_target_read(gl->context, api, &gl->target, maximum ? drawing->transfer : NULL, gl->scale, image);
   return result;
 }
 
@@ -293,8 +312,8 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   cellist_result result = check_arguments(gl, frame, order, order_count, settings, image);
   if (result != CELLIST_SUCCESS) return result;
 
-  struct drawing drawing = {.gl = gl, .frame = frame, .order = order, .order_count = order_count};
-  result = gl_intervals_make(context, transfer, gl->scale, &drawing.intervals);
+  struct drawing drawing = {.gl = gl, .frame = frame, .transfer = transfer, .order = order, .order_count = order_count};
+  result = gl_intervals_make(context, transfer, &settings->optics, gl->scale, &drawing.intervals);
   if (result != CELLIST_SUCCESS) return result;
   /* Corners are moved by half a step each way, and have float's digits before. */
   const double margin = gl->subpixel + fmax(frame->width, frame->height) * FLT_EPSILON;

@@ -22,14 +22,14 @@ foreach(backend IN ITEMS OSMESA EGL GLFW)
   endif()
 endforeach()
 list(TRANSFORM gl_sources REPLACE "(.+)" "gl/\\1.c")
-set(gl_shaders faces.vert faces.frag exact.glsl)
+set(gl_shaders faces.vert faces.frag exact.glsl emission.glsl maximum.glsl isosurfaces.glsl)
 list(TRANSFORM gl_shaders PREPEND gl/shaders/)
 cellist_embed(${CMAKE_CURRENT_BINARY_DIR}/gl_shaders.c ${gl_shaders})
 
 cellist_add_library(gl
   SOURCES ${gl_sources} ${CMAKE_CURRENT_BINARY_DIR}/gl_shaders.c
   HEADERS cellist/gl.h
-  DEPENDS data
+  DEPENDS data optics
   PRIVATE ${gl_libraries} m
   REQUIRES ${gl_packages}
   LIBS -lm)

@@ -4,6 +4,7 @@
 #include "intervals.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Knots further out than this many scalar ranges are as good as infinitely far, and their squares still fit a float. */
 static const double FAR_VALUE = 1e18;
@@ -37,40 +38,78 @@ static cellist_result check(cellist_context *context, const cellist_transfer *tr
   return CELLIST_SUCCESS;
 }
 
-static void write_end(const cellist_transfer_knot *knot, float texel[4]) {
-  for (int c = 0; c < 3; c++) texel[c] = (float)knot->colour[c];
+static float scaled(gl_scale scale, double value) {
+  return (float)fmax(fmin((value - scale.offset) * scale.factor, FAR_VALUE), -FAR_VALUE);
+}
+
+static void write_end(const cellist_transfer_knot *knot, bool black, float texel[4]) {
+  for (int c = 0; c < 3; c++) texel[c] = black ? 0 : (float)knot->colour[c];
   texel[3] = (float)knot->extinction;
 }
 
-cellist_result gl_intervals_make(cellist_context *context, const cellist_transfer *transfer, gl_scale scale,
-                                 gl_intervals *intervals) {
-  cellist_result result = check(context, transfer);
-  if (result != CELLIST_SUCCESS) return result;
+static void write_intervals(const cellist_transfer *transfer, bool black, gl_scale scale, gl_intervals *made) {
   const size_t count = transfer->knot_count;
-  gl_intervals made = {.knot_count = count};
-  made.knots = cellist_allocate(context, count, sizeof *made.knots);
-  made.texels = cellist_allocate(context, count + 1, GL_INTERVAL_FLOATS * sizeof *made.texels);
-  made.visible = cellist_allocate(context, count + 1, sizeof *made.visible);
-  if (made.knots == NULL || made.texels == NULL || made.visible == NULL) {
-    gl_intervals_release(context, &made);
-    return CELLIST_ERROR_OUT_OF_MEMORY;
-  }
-  made.visible[0] = 0;
+  made->visible[0] = 0;
   for (size_t i = 0; i < count; i++) {
-    const double value = (transfer->knots[i].value - scale.offset) * scale.factor;
-    made.knots[i] = (float)fmax(fmin(value, FAR_VALUE), -FAR_VALUE);
-    made.visible[i + 1] = made.visible[i] + (transfer->knots[i].extinction > 0);
+    made->knots[i] = scaled(scale, transfer->knots[i].value);
+    made->visible[i + 1] = made->visible[i] + (transfer->knots[i].extinction > 0);
   }
   for (size_t i = 0; i <= count; i++) {
-    float *texel = &made.texels[GL_INTERVAL_FLOATS * i];
+    float *texel = &made->texels[GL_INTERVAL_FLOATS * i];
     const size_t below = i > 0 ? i - 1 : 0, above = i < count ? i : count - 1;
-    texel[0] = i > 0 ? made.knots[below] : -(float)FAR_VALUE;
-    texel[1] = i < count ? made.knots[above] : (float)FAR_VALUE;
+    texel[0] = i > 0 ? made->knots[below] : -(float)FAR_VALUE;
+    texel[1] = i < count ? made->knots[above] : (float)FAR_VALUE;
     texel[2] = below < above && texel[1] > texel[0] ? 1 / (texel[1] - texel[0]) : 0;
     texel[3] = 0;
-    write_end(&transfer->knots[below], &texel[4]);
-    write_end(&transfer->knots[above], &texel[8]);
+    write_end(&transfer->knots[below], black, &texel[4]);
+    write_end(&transfer->knots[above], black, &texel[8]);
   }
-  *intervals = made;
+}
+
+/* In ascending order of value; of equal ones in the caller's order. */
+static cellist_result write_isosurfaces(cellist_context *context, const cellist_transfer *transfer,
+                                        const cellist_optics *optics, gl_scale scale, gl_intervals *made) {
+  for (size_t i = 0; i < optics->iso_count; i++) {
+    const cellist_isosurface *iso = &optics->isos[i];
+    if (!isfinite(iso->value) || !(iso->opacity >= 0 && iso->opacity <= 1))
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "isosurface %zu has the value %g and the opacity %g, which must lie in 0..1", i, iso->value,
+                          iso->opacity);
+    size_t at = i;
+    const float value = scaled(scale, iso->value);
+    for (; at > 0 && made->knots[at - 1] > value; at--) {
+      made->knots[at] = made->knots[at - 1];
+      memcpy(&made->texels[8 * at], &made->texels[8 * (at - 1)], 8 * sizeof(float));
+    }
+    double colour[3];
+    cellist_transfer_evaluate(transfer, iso->value, colour);
+    made->knots[at] = value;
+    const float texels[8] = {value, 0, 0, 0, (float)colour[0], (float)colour[1], (float)colour[2], (float)iso->opacity};
+    memcpy(&made->texels[8 * at], texels, sizeof texels);
+  }
   return CELLIST_SUCCESS;
+}
+
+cellist_result gl_intervals_make(cellist_context *context, const cellist_transfer *transfer,
+                                 const cellist_optics *optics, gl_scale scale, gl_intervals *intervals) {
+  cellist_result result = check(context, transfer);
+  if (result != CELLIST_SUCCESS) return result;
+  const bool surfaces = optics->model == CELLIST_MODEL_ISOSURFACES;
+  if (surfaces && optics->iso_count > 0 && optics->isos == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the isosurfaces are NULL");
+  gl_intervals made = {.model = optics->model, .knot_count = surfaces ? optics->iso_count : transfer->knot_count};
+  made.knots = cellist_allocate(context, made.knot_count, sizeof *made.knots);
+  made.texels = cellist_allocate_zeroed(context, made.knot_count + 1, GL_INTERVAL_FLOATS * sizeof *made.texels);
+  made.visible = cellist_allocate_zeroed(context, made.knot_count + 1, sizeof *made.visible);
+  if (made.knots == NULL || made.texels == NULL || made.visible == NULL)
+    result = CELLIST_ERROR_OUT_OF_MEMORY;
+  else if (surfaces)
+    result = write_isosurfaces(context, transfer, optics, scale, &made);
+  else
+    write_intervals(transfer, optics->model == CELLIST_MODEL_ABSORPTION, scale, &made);
+  if (result == CELLIST_SUCCESS)
+    *intervals = made;
+  else
+    gl_intervals_release(context, &made);
+  return result;
 }

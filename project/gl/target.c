@@ -6,6 +6,7 @@
 #include <math.h>
 
 static const GLfloat EMPTY[4] = {0, 0, 0, 0};
+static const GLfloat LEAST[4] = {-INFINITY, 0, 0, 0};
 static const GLfloat NO_DEPTH[4] = {-INFINITY, 0, 0, 0};
 
 void gl_target_release(const gl_api *api, gl_target *target) {
@@ -60,7 +61,7 @@ static cellist_result make(cellist_context *context, const gl_api *api, gl_targe
 }
 
 cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_target *target, uint32_t width,
-                               uint32_t height, cellist_framebuffer format, bool with_depth) {
+                               uint32_t height, cellist_framebuffer format, bool with_depth, bool maximum) {
   if (target->framebuffer == 0 || target->width != width || target->height != height || target->format != format ||
       target->with_depth != with_depth) {
     const cellist_result result = make(context, api, target, width, height, format, with_depth);
@@ -68,11 +69,11 @@ cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_t
   }
   api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
   api->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
-  api->ClearBufferfv(GL_COLOR, 0, EMPTY);
+  api->ClearBufferfv(GL_COLOR, 0, maximum ? LEAST : EMPTY);
   api->Disable(GL_DEPTH_TEST);
   api->Disable(GL_CULL_FACE);
   api->Enable(GL_BLEND);
-  api->BlendEquationi(0, GL_FUNC_ADD);
+  api->BlendEquationi(0, maximum ? GL_MAX : GL_FUNC_ADD);
   api->BlendFuncSeparatei(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   if (with_depth) {
     api->ClearBufferfv(GL_COLOR, 1, NO_DEPTH);
@@ -94,13 +95,19 @@ static void copy_channel(const gl_target *target, const float *pixels, size_t co
 }
 
 cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
-                              cellist_image *image) {
+                              const cellist_transfer *transfer, gl_scale scale, cellist_image *image) {
   static const char *const names[4] = {"R", "G", "B", "A"};
   float *pixels = cellist_allocate(context, (size_t)target->width * target->height, 4 * sizeof *pixels);
   if (pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   api->PixelStorei(GL_PACK_ALIGNMENT, 4);
   api->ReadBuffer(GL_COLOR_ATTACHMENT0);
   api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RGBA, GL_FLOAT, pixels);
+  for (size_t i = 0; transfer != NULL && i < (size_t)target->width * target->height; i++) {
+    double colour[3] = {0, 0, 0};
+    float *pixel = &pixels[4 * i];
+    if (pixel[3] > 0) cellist_transfer_evaluate(transfer, (double)pixel[0] / scale.factor + scale.offset, colour);
+    for (int c = 0; c < 3; c++) pixel[c] = (float)colour[c];
+  }
   for (size_t c = 0; c < 4; c++) copy_channel(target, pixels, 4, c, 1, image, names[c]);
   if (target->with_depth) {
     api->ReadBuffer(GL_COLOR_ATTACHMENT1);

@@ -6,6 +6,7 @@
 #include <cellist/gl.h>
 
 #include "api.h"
+#include "intervals.h"
 
 typedef struct gl_target {
   GLuint framebuffer, colour, depth; /* depth holds -front, back; 0 if it is not wanted */
@@ -14,14 +15,15 @@ typedef struct gl_target {
   bool with_depth;
 } gl_target;
 
-/* Makes the target current, of this size and format, empty, with blending from far to near. What fits is kept from
- * the last frame. Fails with UNSUPPORTED (too large for this OpenGL) or GRAPHICS. */
+/* Makes the target current, of this size and format, empty, with blending from far to near, or (maximum) of the
+ * largest. What fits is kept from the last frame. Fails with UNSUPPORTED (too large for this OpenGL) or GRAPHICS. */
 cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_target *target, uint32_t width,
-                               uint32_t height, cellist_framebuffer format, bool with_depth);
+                               uint32_t height, cellist_framebuffer format, bool with_depth, bool maximum);
 
-/* Copies what was drawn into the image's channels of the names R G B A, Z, ZBack. Fails with OUT_OF_MEMORY. */
+/* Copies what was drawn into the image's channels of the names R G B A, Z, ZBack; with a transfer function, the colours
+ * of the scaled scalars that stand in red where alpha is not 0. Fails with OUT_OF_MEMORY. */
 cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
-                              cellist_image *image);
+                              const cellist_transfer *transfer, gl_scale scale, cellist_image *image);
 
 void gl_target_release(const gl_api *api, gl_target *target);
 

@@ -80,7 +80,7 @@ void main() {
   float back = dot(exit_weight, scalar.xyz) + exit_opposite * scalar.w;
   vec2 seen;
   vec4 gathered = gather(front, back, ray_length, ivec2(head.zw), seen);
-  if (!(seen.y > seen.x)) discard;
+  if (seen.y < seen.x) discard;
   result = gathered;
 #ifdef WITH_DEPTH
   depth = vec4(-(exit_depth - thickness * (1.0 - seen.x)), exit_depth - thickness * (1.0 - seen.y), 0.0, 0.0);

@@ -1,0 +1,25 @@
+// Isosurfaces, flat coloured: where the scalar passes a value, its colour and opacity, from front to back. A surface
+// belongs to the values from the segment's lower end on, below its upper end, so that none is met twice where two cells
+// meet.
+//
+// Two texels a surface: value; colour and opacity.
+uniform samplerBuffer intervals;
+
+// range: the first surface at or above the cell's least scalar, and the first at or above its greatest.
+vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
+  bool up = back >= front;
+  float least = min(front, back), most = max(front, back);
+  vec4 gathered = vec4(0.0);
+  seen = vec2(1.0, 0.0);
+  for (int n = 0; n < range.y - range.x; n++) {
+    int i = up ? range.x + n : range.y - 1 - n;
+    float value = texelFetch(intervals, 2 * i).x;
+    if (value >= least && value < most) {
+      vec4 surface = texelFetch(intervals, 2 * i + 1);
+      gathered += (1.0 - gathered.w) * vec4(surface.xyz * surface.w, surface.w);
+      float at = clamp((value - front) / (back - front), 0.0, 1.0);
+      seen = vec2(min(seen.x, at), max(seen.y, at));
+    }
+  }
+  return gathered;
+}
