@@ -366,7 +366,11 @@ bool cellist_complex_is_valid(cellist_context *context, const cellist_complex *c
     return reject(context, "made for another mesh, tets", a->tet_count);
   if (m->point_count > 0 && memcmp(a->points, m->positions, 3 * m->point_count * sizeof(double)) != 0)
     return reject(context, "other coordinates than the mesh's, points", a->point_count);
-  if (a->facet_count == 0) return a->cell_count == 0 || reject(context, "no facets, cells", a->cell_count);
+  if (a->facet_count == 0) {
+    for (size_t t = 0; t < a->tet_count; t++)
+      if ((m->tet_flags[t] & CELLIST_TET_FLAT) == 0) return reject(context, "no facets, yet there is tet", t);
+    return a->cell_count == a->tet_count || reject(context, "no facets, cells", a->cell_count);
+  }
   double extent = 0, largest = 0;
   for (size_t i = 0; i < 3 * a->vertex_count; i++) {
     largest = fmax(largest, fabs(a->vertices[i]));

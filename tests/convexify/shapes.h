@@ -3,6 +3,7 @@
 #ifndef CELLIST_TESTS_SHAPES_H
 #define CELLIST_TESTS_SHAPES_H
 
+#include <base/random.h>
 #include <cellist/mesh.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +14,8 @@ typedef struct shape {
   const char *cubes; /* size[0] * size[1] * size[2], x fastest; '#' is solid */
   double scale, offset[3];
   bool unmerged; /* every cube has points of its own */
+  double jitter; /* points move by up to this along each axis */
+  uint64_t seed;
 } shape;
 
 static inline cellist_result shape_mesh(cellist_context *context, const shape *s, cellist_mesh **mesh) {
@@ -24,9 +27,11 @@ static inline cellist_result shape_mesh(cellist_context *context, const shape *s
   uint32_t *tets = malloc(cubes * 24 * sizeof *tets);
   size_t tet_count = 0, point_count = s->unmerged ? 0 : grid_points;
   const double scale = s->scale != 0 ? s->scale : 1;
+  random_state random = {s->seed};
   for (size_t i = 0; i < grid_points && !s->unmerged; i++) {
     const int at[3] = {(int)i % (nx + 1), (int)i / (nx + 1) % (ny + 1), (int)i / (nx + 1) / (ny + 1)};
-    for (int k = 0; k < 3; k++) points[3 * i + (size_t)k] = s->offset[k] + scale * at[k];
+    for (int k = 0; k < 3; k++)
+      points[3 * i + (size_t)k] = s->offset[k] + scale * (at[k] + random_between(&random, -s->jitter, s->jitter));
   }
   for (size_t c = 0; c < cubes; c++) {
     if (s->cubes[c] != '#') continue;

@@ -183,6 +183,37 @@ TEST(random_cubes_are_filled)
   }
 }
 
+/* The same out of all alignment: nothing is coplanar, every flat side becomes many slightly reflex edges. */
+TEST(random_cubes_out_of_line_are_filled)
+{
+  for (uint64_t seed = 1; seed <= 12; seed++) {
+    random_state random = {seed};
+    char cubes[27];
+    for (int i = 0; i < 27; i++) cubes[i] = random_below(&random, 100) < 20 + 5 * seed ? '#' : '.';
+    cubes[0] = '#';
+    const shape s = {.size = {3, 3, 3}, .cubes = cubes, .jitter = seed % 2 == 0 ? 0.1 : 1e-9, .seed = seed};
+    check(&s, (cellist_exterior)(seed / 2 % 4), SIZE_MAX);
+  }
+}
+
+TEST(flat_tets_alone_bound_nothing)
+{
+  static const double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+  static const uint32_t tets[] = {0, 1, 2, 3};
+  cellist_context *context = harness_context(1);
+  const cellist_mesh_desc desc = {.point_count = 4, .positions = points, .tet_count = 1, .tets = tets};
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_mesh_create(context, &desc, &mesh));
+  cellist_complex *complex = NULL;
+  cellist_convexify_stats stats;
+  assert_success(context, cellist_convexify(context, mesh, NULL, &complex, &stats));
+  assert_int_equal(stats.imaginary_cells, 0);
+  assert_true(cellist_complex_is_valid(context, complex, mesh));
+  cellist_complex_destroy(complex);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
 static cellist_result convexify_tunnel(cellist_context *context, void *user) {
   cellist_mesh *mesh = NULL;
   cellist_complex *complex = NULL;
