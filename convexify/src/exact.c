@@ -46,7 +46,7 @@ static exact_number keep(work *w, const wide *value) {
   }
   work_reserve(w, &w->limbs, w->limbs.count + value->length, sizeof *w->limbs.items);
   const exact_number number = {value->sign * (int32_t)value->length, (uint32_t)w->limbs.count};
-  memcpy(&w->limbs.items[w->limbs.count], value->limb, value->length * sizeof value->limb[0]);
+  if (value->length > 0) memcpy(&w->limbs.items[w->limbs.count], value->limb, value->length * sizeof value->limb[0]);
   w->limbs.count += value->length;
   return number;
 }
@@ -54,7 +54,7 @@ static exact_number keep(work *w, const wide *value) {
 static void load(const work *w, wide *out, exact_number number) {
   out->sign = (number.length > 0) - (number.length < 0);
   out->length = (size_t)(number.length < 0 ? -number.length : number.length);
-  memcpy(out->limb, &w->limbs.items[number.offset], out->length * sizeof out->limb[0]);
+  if (out->length > 0) memcpy(out->limb, &w->limbs.items[number.offset], out->length * sizeof out->limb[0]);
 }
 
 /* |value| * 2^exponent = mantissa * 2^*power with mantissa in [1, 2^64): off by 2 U at most. */

@@ -175,7 +175,7 @@ static void find_vertices_on_sides(work *w, hull_sides *s) {
       if (exact_side(w, v, plane) == 0) list_push(w, &s->on, (uint64_t)v << 32 | plane);
     }
   }
-  qsort(s->on.items, s->on.count, sizeof *s->on.items, compare_keys);
+  if (s->on.count > 0) qsort(s->on.items, s->on.count, sizeof *s->on.items, compare_keys);
   size_t kept = 0;
   for (size_t i = 0; i < s->on.count; i++)
     if (kept == 0 || s->on.items[kept - 1] != s->on.items[i]) s->on.items[kept++] = s->on.items[i];
@@ -224,7 +224,7 @@ static void chain_outlines(work *w, hull_sides *s) {
   key_list *by_plane = &s->by_plane;
   work_reserve(w, by_plane, s->on.count, sizeof *by_plane->items);
   for (size_t i = 0; i < s->on.count; i++) by_plane->items[i] = s->on.items[i] << 32 | s->on.items[i] >> 32;
-  qsort(by_plane->items, s->on.count, sizeof *by_plane->items, compare_keys);
+  if (s->on.count > 0) qsort(by_plane->items, s->on.count, sizeof *by_plane->items, compare_keys);
   for (size_t i = 0; i < w->hits.count; i += 4) {
     const uint32_t from = w->hits.items[i], to = w->hits.items[i + 1];
     const uint32_t up = w->hits.items[i + 2], down = w->hits.items[i + 3];
@@ -290,7 +290,7 @@ static void chain_slits(work *w, hull_sides *s, size_t boundary_edge_count, cons
 }
 
 static void make_side_facets(work *w, hull_sides *s, uint32_t cell) {
-  qsort(s->chain.items, s->chain.count, sizeof *s->chain.items, compare_keys);
+  if (s->chain.count > 0) qsort(s->chain.items, s->chain.count, sizeof *s->chain.items, compare_keys);
   uint32_t facet = CELLIST_NONE, plane = CELLIST_NONE;
   for (size_t i = 0; i < s->chain.count;) {
     const uint64_t key = s->chain.items[i] >> 1;

@@ -3,7 +3,7 @@
  *
  * The exterior is a set of pieces, each bounded by facets. A facet lies in a plane and is an unordered set of directed
  * edge uses, counter-clockwise seen from the plane's positive side; holes and slits need no special case. It has a cell
- * on either side: a tet, a piece (tet_count + its index) or CELLLIST_NONE, outside. Edges and vertices are shared by
+ * on either side: a tet, a piece (tet_count + its index) or CELLIST_NONE, outside. Edges and vertices are shared by
  * all facets that touch them, so the whole stays conforming: an edge split once is split for everyone.
  *
  * Failure (no memory, cancelled, inconsistent input) leaves by longjmp to the one entry that owns the work and frees
