@@ -67,7 +67,8 @@ static cellist_result judge_cell(struct conversion *conversion, size_t cell, boo
       return cellist_fail(conversion->context, CELLIST_ERROR_GEOMETRY,
                           "%s: cell %zu has a corner with a NaN or infinite coordinate", grid->file,
                           file_cell(grid, cell));
-    conversion->facts.infinite_cell_count++;
+    mesh_note_cell(conversion->facts.infinite_cells, &conversion->facts.infinite_cell_count,
+                   (uint32_t)file_cell(grid, cell));
   } else {
     conversion->simplified_count += is_simplified;
     *keep = true;
@@ -133,7 +134,9 @@ static cellist_result count_tets(struct conversion *conversion, uint8_t *keep, b
     const size_t count =
         is_kept ? grid_split_cell(grid->types[cell], &grid->connectivity[grid->offsets[cell]], tets) : 0;
     keep[cell] = count > 0;
-    conversion->facts.collapsed_cell_count += is_kept && count == 0;
+    if (is_kept && count == 0)
+      mesh_note_cell(conversion->facts.collapsed_cells, &conversion->facts.collapsed_cell_count,
+                     (uint32_t)file_cell(grid, cell));
     conversion->tet_count += count;
     *are_all_tets &= count == 1 && grid->types[cell] == GRID_TETRA;
   }

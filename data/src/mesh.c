@@ -119,8 +119,9 @@ static void orient_tets(cellist_context *context, const mesh_parts *parts, uint8
 static cellist_result assemble(cellist_context *context, mesh_parts *parts, cellist_mesh *mesh) {
   cellist_mesh_arrays *arrays = &mesh->arrays;
   mesh->context = context;
+  cellist_result result = parts->repair ? mesh_leave_out(context, parts) : CELLIST_SUCCESS;
   mesh->facts = parts->facts;
-  cellist_result result = check_parts(context, parts, arrays->bounds, &mesh->facts.unused_point_count);
+  if (result == CELLIST_SUCCESS) result = check_parts(context, parts, arrays->bounds, &mesh->facts.unused_point_count);
   if (result == CELLIST_SUCCESS) result = cellist_progress(context, "preparing", 0);
   if (result != CELLIST_SUCCESS) return result;
 
@@ -190,7 +191,8 @@ static cellist_result copy_fields(cellist_context *context, const cellist_mesh_d
   return CELLIST_SUCCESS;
 }
 
-cellist_result cellist_mesh_create(cellist_context *context, const cellist_mesh_desc *desc, cellist_mesh **mesh) {
+static cellist_result create(cellist_context *context, const cellist_mesh_desc *desc, bool repair,
+                             cellist_mesh **mesh) {
   if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
   if (desc == NULL || mesh == NULL)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_mesh_create: desc or mesh is NULL");
@@ -201,6 +203,7 @@ cellist_result cellist_mesh_create(cellist_context *context, const cellist_mesh_
   parts.point_count = desc->point_count;
   parts.tet_count = desc->tet_count;
   parts.facts.file_cell_count = desc->tet_count;
+  parts.repair = repair;
   parts.positions = copy_of(context, desc->positions, desc->point_count, 3 * sizeof *desc->positions);
   parts.tets = copy_of(context, desc->tets, desc->tet_count, 4 * sizeof *desc->tets);
   cellist_result result = parts.positions != NULL && parts.tets != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
@@ -212,6 +215,15 @@ cellist_result cellist_mesh_create(cellist_context *context, const cellist_mesh_
   if (result == CELLIST_SUCCESS) return mesh_assemble(context, &parts, mesh);
   mesh_parts_release(context, &parts);
   return result;
+}
+
+cellist_result cellist_mesh_create(cellist_context *context, const cellist_mesh_desc *desc, cellist_mesh **mesh) {
+  return create(context, desc, false, mesh);
+}
+
+cellist_result cellist_mesh_create_repaired(cellist_context *context, const cellist_mesh_desc *desc,
+                                            cellist_mesh **mesh) {
+  return create(context, desc, true, mesh);
 }
 
 void cellist_mesh_destroy(cellist_mesh *mesh) {

@@ -22,11 +22,21 @@ typedef struct mesh_parts {
   uint32_t *point_origin; /* NULL: the point's own index */
   size_t field_count;
   cellist_field *fields;
+  bool repair;              /* leave out tets that no mesh can hold */
   cellist_mesh_facts facts; /* what came before: file_cell_count, cells left out, merged points */
 } mesh_parts;
 
 /* Frees what the parts own and zeroes them. */
 void mesh_parts_release(cellist_context *context, mesh_parts *parts);
+
+/* Counts a cell that is left out, and keeps its id if it is one of the first. */
+static inline void mesh_note_cell(uint32_t ids[CELLIST_FACT_IDS], size_t *count, uint32_t cell) {
+  if (*count < CELLIST_FACT_IDS) ids[*count] = cell;
+  ++*count;
+}
+
+/* leave_out.c: drops tets that use a point twice or an infinite one, and notes their cells. */
+cellist_result mesh_leave_out(cellist_context *context, mesh_parts *parts);
 
 /* Makes a mesh of the parts (checks, orientation, Hilbert order, adjacency), which it empties, failing or not. */
 cellist_result mesh_assemble(cellist_context *context, mesh_parts *parts, cellist_mesh **mesh);

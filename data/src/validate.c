@@ -83,8 +83,16 @@ static cellist_result collect(const validation *run, cellist_finding_kind kind) 
   return ok ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
+static void take_over(cellist_finding *finding, size_t count, const uint32_t ids[CELLIST_FACT_IDS]) {
+  finding->count = count;
+  for (size_t i = 0; i < count && i < CELLIST_FACT_IDS; i++) finding_keep(finding, ids[i]);
+}
+
 static cellist_result conclude(const validation *run) {
   cellist_report *report = run->report;
+  const cellist_mesh_facts *facts = run->facts;
+  take_over(&report->findings[CELLIST_FINDING_INFINITE], facts->infinite_cell_count, facts->infinite_cells);
+  take_over(&report->findings[CELLIST_FINDING_COLLAPSED], facts->collapsed_cell_count, facts->collapsed_cells);
   unsigned all_marks = 0;
   for (size_t t = 0; t < run->mesh->tet_count; t++) all_marks |= run->marks[t];
   for (int kind = 0; kind < CELLIST_FINDING_COUNT; kind++) {

@@ -205,6 +205,29 @@ TEST(bad_ids_and_coordinates_are_named)
   harness_context_destroy(context);
 }
 
+TEST(repair_leaves_out_cells_that_cannot_be)
+{
+  cellist_context *context = harness_context(1);
+  double points[15];
+  memcpy(points, POINTS, sizeof points);
+  points[14] = INFINITY;
+  const uint32_t tets[] = {0, 1, 2, 4, 0, 1, 2, 3, 1, 1, 2, 3, 2, 2, 2, 3};
+  const uint32_t origin[] = {40, 41, 42, 42};
+  const double values[] = {1, 2, 3, 4};
+  const cellist_field field = {"v", CELLIST_ON_CELLS, 1, values};
+  const cellist_mesh_desc desc = {5, points, 4, tets, origin, 1, &field};
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_mesh_create_repaired(context, &desc, &mesh));
+  const cellist_mesh_facts *facts = cellist_mesh_get_facts(mesh);
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
+  assert_true(arrays->tet_count == 1 && arrays->tet_origin[0] == 41 && arrays->fields[0].values[0] == 2);
+  assert_true(facts->infinite_cell_count == 1 && facts->infinite_cells[0] == 40);
+  assert_true(facts->collapsed_cell_count == 1 && facts->collapsed_cells[0] == 42);
+  assert_true(facts->unused_point_count == 1 && arrays->bounds[5] == 1);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
 TEST(a_mesh_without_cells_is_a_mesh)
 {
   cellist_context *context = harness_context(1);

@@ -29,6 +29,10 @@ static int smaller(int a, int b) { return a < b ? a : b; }
 
 static int orient3d_exact(const double a[3], const double b[3], const double c[3], const double d[3],
                           int d_is_direction) {
+  /* Four points of one axis-aligned plane are the commonest exact zero. */
+  for (int k = 0; k < 3; k++)
+    if (a[k] == b[k] && a[k] == c[k] && (d_is_direction ? d[k] == 0 : d[k] == a[k])) return 0;
+
   /* The determinant is linear in d - a (or d), so that row may have a power of two of its own. */
   int base = 4096, base_d = 4096;
   for (int k = 0; k < 3; k++) {

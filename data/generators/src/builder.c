@@ -132,6 +132,7 @@ cellist_result builder_finish(mesh_builder *builder, cellist_mesh **mesh) {
   }
   if (result == CELLIST_SUCCESS) {
     fill_wave(builder, values);
+    if (builder->blind_point != CELLIST_NONE) values[builder->blind_point] = NAN;
     const cellist_field field = {"wave", CELLIST_ON_POINTS, 1, values};
     const cellist_mesh_desc desc = {.point_count = builder->point_count,
                                     .positions = builder->positions,
@@ -139,7 +140,8 @@ cellist_result builder_finish(mesh_builder *builder, cellist_mesh **mesh) {
                                     .tets = builder->tets,
                                     .field_count = 1,
                                     .fields = &field};
-    result = cellist_mesh_create(context, &desc, mesh);
+    result = builder->repair ? cellist_mesh_create_repaired(context, &desc, mesh)
+                             : cellist_mesh_create(context, &desc, mesh);
   }
   cellist_deallocate(context, values);
   cellist_deallocate(context, builder->positions);
@@ -188,4 +190,9 @@ uint32_t cube_root_below(double count) {
   uint32_t n = 1;
   while ((n + 1.0) * (n + 1.0) * (n + 1.0) <= count) n++;
   return n;
+}
+
+uint32_t cube_root_near(double count) {
+  const double n = cube_root_below(count), more = n + 1;
+  return (uint32_t)(more * more * more - count < count - n * n * n ? more : n);
 }

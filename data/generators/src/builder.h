@@ -19,6 +19,8 @@ typedef struct mesh_builder {
   double *positions;
   size_t tet_count, tet_capacity;
   uint32_t *tets;
+  uint32_t blind_point; /* its scalar is NaN; CELLIST_NONE: none */
+  bool repair;          /* leave out cells that cannot be, instead of failing */
 } mesh_builder;
 
 /* The new point's id. */
@@ -55,6 +57,9 @@ double cosine_of_turns(double turns);
 /* The largest n >= 1 with n^2 or n^3 <= count (1 for count 0). */
 uint32_t square_root_below(double count);
 uint32_t cube_root_below(double count);
+
+/* The n >= 1 whose n^3 is nearest to count. */
+uint32_t cube_root_near(double count);
 
 /* The generators, one for each name. */
 void generate_ball(mesh_builder *builder);

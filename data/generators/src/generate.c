@@ -17,11 +17,31 @@ struct generator {
 
 static const struct generator GENERATORS[] = {
     {"gears", "two interleaving rings with slanted teeth (parts): cyclic orders, many reflex edges", generate_gears,
-     8640, 12, 5, 64},
+     8640, 12, 5, 32},
     {"grid", "a box of cubes (Kuhn), points moved on request: a convex mesh, ties in axis-aligned views", generate_grid,
      6000, 0, 0, 0},
     {"ball", "Delaunay triangulation of random points: a convex mesh without order, for benchmarks", generate_ball,
      10000, 0, 0, 0},
+    {"tapered-cylinder", "a cylinder with a conical hole: reflex edges that are flat but for rounding",
+     generate_tapered_cylinder, 9216, 0, 0, 0},
+    {"heat-sink", "a plate with fins (parts): exact planes, one imaginary cell for each gap", generate_heat_sink, 2808,
+     8, 2, 200},
+    {"torus", "a ring: a hole through a smooth, saddle-shaped boundary", generate_torus, 9216, 0, 0, 0},
+    {"two-spheres", "two balls, half of the cells' count of triangles on each: the convexifier's hardest growth",
+     generate_two_spheres, 2560, 0, 0, 0},
+    {"swiss-cheese", "a block with cavities (parts along each axis): boundaries that no ray from outside meets first",
+     generate_swiss_cheese, 17172, 3, 1, 40},
+    {"shells", "closed shells (parts), each inside the next: parts and cavities that alternate along a ray",
+     generate_shells, 3888, 3, 1, 20},
+    {"l-shape", "an L: the simplest concave mesh, one imaginary cell", generate_l_shape, 1152, 0, 0, 0},
+    {"staircase", "steps (parts): many reflex edges in parallel planes", generate_staircase, 3024, 6, 2, 200},
+    {"plates", "plates (parts) over each other, apart: deep stacks of parts with nothing but gaps between",
+     generate_plates, 9600, 100, 2, 10000},
+    {"slivers", "layers that grow from 2^-15 to a half in height: needles, for precision (warnings only)",
+     generate_slivers, 6144, 0, 0, 0},
+    {"cyclic", "wheels of tets (parts) that overlap each other in a circle: orders that do not exist", generate_cyclic,
+     3, 3, 3, 64},
+    {"flaws", "each flaw that validation names, a few cells for each (size is ignored)", generate_flaws, 24, 0, 0, 0},
 };
 enum { GENERATOR_COUNT = sizeof GENERATORS / sizeof GENERATORS[0] };
 
@@ -62,7 +82,7 @@ cellist_result cellist_generate(cellist_context *context, const char *name, cons
   for (size_t i = 0; i < GENERATOR_COUNT; i++)
     if (strcmp(GENERATORS[i].name, name) == 0) generator = &GENERATORS[i];
   if (generator == NULL) return fail_not_found(context, name);
-  mesh_builder builder = {.context = context};
+  mesh_builder builder = {.context = context, .blind_point = CELLIST_NONE};
   if (desc != NULL) builder.desc = *desc;
   cellist_result result = resolve(context, generator, &builder.desc);
   if (result == CELLIST_SUCCESS) result = cellist_progress(context, "generating", 0);

@@ -51,6 +51,8 @@ typedef struct cellist_mesh_arrays {
   double bounds[6];            /* x y z of the lower corner, then of the upper one; of points that tets use */
 } cellist_mesh_arrays;
 
+enum { CELLIST_FACT_IDS = 10 };
+
 /* What making the mesh found. Counts are of tets unless the name says otherwise. */
 typedef struct cellist_mesh_facts {
   size_t file_cell_count;        /* cells in the user's file or arrays, of any dimension */
@@ -67,6 +69,8 @@ typedef struct cellist_mesh_facts {
   size_t folded_face_count;      /* faces with two tets on the same side: both count as boundary */
   size_t overfull_face_count;    /* faces of more than two tets: all count as boundary */
   size_t unused_point_count;     /* points that no tet uses */
+  uint32_t infinite_cells[CELLIST_FACT_IDS];  /* the first of infinite_cell_count, the user's ids */
+  uint32_t collapsed_cells[CELLIST_FACT_IDS]; /* the first of collapsed_cell_count */
 } cellist_mesh_facts;
 
 /* The user's own arrays. All are read during the call only. */
@@ -88,6 +92,11 @@ typedef struct cellist_mesh_desc {
  * Cost: linear; some 150 bytes a tet at the peak. */
 CELLIST_API cellist_result cellist_mesh_create(cellist_context *context, const cellist_mesh_desc *desc,
                                                cellist_mesh **mesh);
+
+/* As cellist_mesh_create, but leaves out the tets that no mesh can hold: with an infinite or NaN corner, or a point
+ * twice. facts count their cells and name the first ones; tet_origin tells those that stay. */
+CELLIST_API cellist_result cellist_mesh_create_repaired(cellist_context *context, const cellist_mesh_desc *desc,
+                                                        cellist_mesh **mesh);
 
 /* Frees the mesh; NULL is legal. The context that made it must still exist. */
 CELLIST_API void cellist_mesh_destroy(cellist_mesh *mesh);

@@ -12,7 +12,7 @@ extern "C" {
 /* What to generate; {0} means the generator's own defaults. */
 typedef struct cellist_generate_desc {
   size_t size;    /* about this many cells (ball, grid: within 10 % from 100 cells on), at most 2^28; 0: the default */
-  uint64_t seed;  /* of the generators that use random numbers (ball, slivers, a perturbed grid) */
+  uint64_t seed;  /* of the generators that use random numbers (ball, a perturbed grid) */
   double perturb; /* grid: how far points move along each axis, in parts of the spacing, 0..0.5 */
   uint32_t parts; /* teeth, fins, steps, plates, ...: the number that the purpose names; 0: the default */
 } cellist_generate_desc;
