@@ -94,7 +94,7 @@ static void pair_contacts(work *w) {
   const size_t mask = w->edge_table.count - 1;
   id_list *gone = &w->ids;
   gone->count = 0;
-  work_reserve(w, gone, w->boundary.count, sizeof *gone->items);
+  work_reserve(w, gone, w->boundary.count + 1, sizeof *gone->items);
   memset(gone->items, 0, w->boundary.count * sizeof *gone->items);
   for (size_t f = 0; f < w->boundary.count; f++) {
     const boundary_face *face = &w->boundary.items[f];
@@ -180,7 +180,7 @@ void boundary_gather(work *w) {
   uint8_t *peeled = (uint8_t *)w->sorted.items;
   peel_flat_tets(w, peeled);
   begin_exact(w, peeled);
-  work_reserve(w, &w->point_vertex, mesh->point_count, sizeof *w->point_vertex.items);
+  work_reserve(w, &w->point_vertex, mesh->point_count + 1, sizeof *w->point_vertex.items);
   w->point_vertex.count = mesh->point_count;
   memset(w->point_vertex.items, 0xff, mesh->point_count * sizeof *w->point_vertex.items);
   size_t count = 0;

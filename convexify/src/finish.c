@@ -33,7 +33,7 @@ static void count_violations(work *w) {
 /* Numbers the pieces that are still in use. */
 static void number_pieces(work *w, id_list *number, size_t *count) {
   const uint32_t base = (uint32_t)w->mesh->tet_count;
-  work_reserve(w, number, w->pieces.count, sizeof *number->items);
+  work_reserve(w, number, w->pieces.count + 1, sizeof *number->items);
   memset(number->items, 0xff, w->pieces.count * sizeof *number->items);
   for (size_t f = 0; f < w->facets.count; f++)
     for (int side = 0; side < 2; side++) {
@@ -177,8 +177,8 @@ void finish(work *w, cellist_complex **complex) {
   work_reserve(w, volumes, imaginary_count, sizeof(double));
   for (size_t i = 0; i < imaginary_count; i++) volumes->items[i] = 0;
   id_list *plane_number = &w->touched, *vertex_number = &w->split;
-  work_reserve(w, plane_number, w->planes.count, sizeof(uint32_t));
-  work_reserve(w, vertex_number, w->vertices.count, sizeof(uint32_t));
+  work_reserve(w, plane_number, w->planes.count + 1, sizeof(uint32_t));
+  work_reserve(w, vertex_number, w->vertices.count + 1, sizeof(uint32_t));
   memset(plane_number->items, 0xff, w->planes.count * sizeof(uint32_t));
   memset(vertex_number->items, 0xff, w->vertices.count * sizeof(uint32_t));
   list_push(w, &out->starts, 0);
