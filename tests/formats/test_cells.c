@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Cells that are no tets: they fill the same space, and neighbours cut their shared face alike. */
 #include <math.h>
+#include <unistd.h>
 
 #include "formats.h"
 
@@ -251,4 +252,32 @@ TEST(legacy_files_that_are_written_read_back_alike)
                  "no/such/folder/a.vtu: cannot be written: No such file");
   cellist_mesh_destroy(mesh);
   harness_context_destroy(context);
+}
+
+struct written {
+  const char *text, *path;
+};
+
+static cellist_result read_and_write(cellist_context *context, void *user) {
+  const struct written *written = user;
+  cellist_mesh *mesh = NULL;
+  cellist_result result = cellist_mesh_read_memory(context, "w.vtu", written->text, strlen(written->text), NULL, &mesh);
+  if (result == CELLIST_SUCCESS) result = cellist_mesh_write(context, mesh, written->path, NULL);
+  cellist_mesh_destroy(mesh);
+  return result;
+}
+
+TEST(every_failed_allocation_while_writing_is_reported_and_leaves_no_file)
+{
+  static const char *const endings[] = {"vtk", "vtu"};
+  for (int i = 0; i < 2; i++) {
+    char path[64];
+    snprintf(path, sizeof path, "written_%ld.%s", (long)getpid(), endings[i]);
+    struct written written = {make_vtu(CUBE, 8, 1, "0 1 2 3 4 5 6 7", "8", "12", ""), path};
+    check_allocation_failures(read_and_write, &written);
+    assert_int_equal(remove(path), 0); /* of the last call, which succeeded */
+    char part[96];
+    snprintf(part, sizeof part, "%s.%ld.part", path, (long)getpid());
+    assert_int_equal(access(part, F_OK), -1);
+  }
 }

@@ -437,6 +437,10 @@ TEST(structured_pieces_fit_together)
       "</PointData><CellData><DataArray type=\"Int8\" Name=\"c\">8</DataArray></CellData><Points><DataArray "
       "type=\"Float32\" NumberOfComponents=\"3\">1 0 0 2 0 0 1 1 0 2 1 0 1 0 1 2 0 1 1 1 1 2 1 1</DataArray></Points>"
       "</Piece></StructuredGrid></VTKFile>";
+  struct bytes bytes = {0};
+  bytes_text(&bytes, file);
+  check_allocation_failures(read_variant, &bytes);
+  bytes_free(&bytes);
   cellist_context *context = harness_context(1);
   cellist_mesh *mesh = read_text(context, "two.vts", file);
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
