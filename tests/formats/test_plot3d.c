@@ -186,7 +186,7 @@ TEST(bluntfin_has_the_points_and_the_volume_of_bluntfin_vtu)
   free(p);
   free(q);
   const double x = mesh_volume6(ours), y = mesh_volume6(other);
-  if (fabs(x - y) > 1e-4 * y) fail_msg("volume %.12g instead of %.12g", x / 6, y / 6);
+  if (fabs(x - y) > 1e-9 * y) fail_msg("volume %.12g instead of %.12g", x / 6, y / 6);
   cellist_mesh_destroy(ours);
   cellist_mesh_destroy(other);
   harness_context_destroy(context);
