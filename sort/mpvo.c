@@ -31,17 +31,23 @@ static size_t follow_gap_arcs(cellist_sorter *sorter, uint32_t tet, uint32_t *or
   return count;
 }
 
-/* How far ahead in the queue memory is fetched: neighbours first, then the neighbours' states. Only speed depends on
- * it. */
-enum { FETCH_NEIGHBOURS = 24, FETCH_STATES = 12 };
+/* Cells are taken from the queue in batches: while one batch is worked on, the neighbours of the batch after the next
+ * are on their way from memory, and the states of the next one's neighbours. Only speed depends on it. */
+enum { BATCH = 16 };
 
-static void fetch_ahead(const cellist_sorter *sorter, const uint32_t *order, size_t out, size_t count) {
-  if (out + FETCH_NEIGHBOURS >= count) return;
-  __builtin_prefetch(&sorter->mesh.neighbours[4 * (size_t)order[out + FETCH_NEIGHBOURS]]);
-  __builtin_prefetch(&sorter->state[order[out + FETCH_NEIGHBOURS]]);
-  const uint32_t *neighbours = &sorter->mesh.neighbours[4 * (size_t)order[out + FETCH_STATES]];
-  for (size_t k = 0; k < 4; k++)
-    if (neighbours[k] != CELLIST_NONE) __builtin_prefetch(&sorter->state[neighbours[k]], 1);
+static void fetch_neighbours(const cellist_sorter *sorter, const uint32_t *order, size_t begin, size_t end) {
+  for (size_t i = begin; i < end; i++) {
+    __builtin_prefetch(&sorter->mesh.neighbours[4 * (size_t)order[i]]);
+    __builtin_prefetch(&sorter->state[order[i]], 1);
+  }
+}
+
+static void fetch_states(const cellist_sorter *sorter, const uint32_t *order, size_t begin, size_t end) {
+  const uint32_t none = (uint32_t)sorter->mesh.tet_count;
+  for (size_t i = begin; i < end; i++) {
+    const uint32_t *neighbours = &sorter->mesh.neighbours[4 * (size_t)order[i]];
+    for (size_t k = 0; k < 4; k++) __builtin_prefetch(&sorter->state[neighbours[k] < none ? neighbours[k] : none], 1);
+  }
 }
 
 /* Cells with nothing behind them, eight states at a time. */
@@ -66,21 +72,33 @@ size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
   uint8_t *state = sorter->state;
   if (!sorter->convex) add_gap_states(sorter);
   size_t count = find_farthest(sorter, order), out = 0;
-  /* Without branches that depend on signs: a neighbour that is not in front stands as the cell itself, from which
-   * nothing is taken; each neighbour is written to the queue's end, which moves only past ready ones. So this loop
-   * needs room for four cells. */
-  for (; out < count && count + 4 <= tet_count; out++) {
-    const uint32_t tet = order[out];
-    fetch_ahead(sorter, order, out, count);
-    const uint32_t front = state[tet];
-    for (size_t k = 0; k < 4; k++) {
-      const uint32_t bit = front >> k & 1, next = bit ? neighbours[4 * (size_t)tet + k] : tet;
-      const uint8_t left = (uint8_t)(state[next] - bit * SORT_PENDING);
-      state[next] = left;
-      order[count] = next;
-      count += bit & ((left & SORT_PENDING_MASK) == 0);
+  /* Without branches that depend on signs (each would be wrong half of the time): every neighbour's state is written,
+   * less nothing if it is not in front; where there is no neighbour, a spare state is. Each neighbour is written to
+   * the queue's end, which moves only past ready ones, so this loop needs room for four cells. */
+  size_t fetched_neighbours = 0, fetched_states = 0;
+  while (out < count && count + 4 <= tet_count) {
+    const size_t end = out + BATCH < count ? out + BATCH : count;
+    const size_t next_end = end + BATCH < count ? end + BATCH : count;
+    const size_t far_end = next_end + BATCH < count ? next_end + BATCH : count;
+    fetch_neighbours(sorter, order, fetched_neighbours, far_end);
+    fetch_states(sorter, order, fetched_states, next_end);
+    fetched_neighbours = far_end;
+    fetched_states = next_end;
+    for (; out < end && count + 4 <= tet_count; out++) {
+      const uint32_t tet = order[out];
+      const uint32_t front = state[tet];
+      for (size_t k = 0; k < 4; k++) {
+        const uint32_t bit = front >> k & 1;
+        const uint32_t spare = (uint32_t)(tet_count + k);
+        const uint32_t other = neighbours[4 * (size_t)tet + k];
+        const uint32_t next = other < spare ? other : spare;
+        const uint8_t left = (uint8_t)(state[next] - bit * SORT_PENDING);
+        state[next] = left;
+        order[count] = next;
+        count += bit & ((left & SORT_PENDING_MASK) == 0);
+      }
+      if (front & SORT_HAS_GAP_ARCS) count = follow_gap_arcs(sorter, tet, order, count);
     }
-    if (front & SORT_HAS_GAP_ARCS) count = follow_gap_arcs(sorter, tet, order, count);
   }
   for (; out < count; out++) {
     const uint32_t tet = order[out];

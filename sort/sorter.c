@@ -63,7 +63,7 @@ static cellist_result prepare(cellist_sorter *sorter) {
   if (result == CELLIST_SUCCESS && !sorter->convex) result = sort_gaps_create(context, &sorter->mesh, &sorter->gaps);
   if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->mesh, &sorter->planes);
   if (result != CELLIST_SUCCESS) return result;
-  sorter->state = cellist_allocate(context, 4 * sorter->planes.group_count + 4, sizeof *sorter->state);
+  sorter->state = cellist_allocate_zeroed(context, 4 * sorter->planes.group_count + 8, sizeof *sorter->state);
   return sorter->state != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
