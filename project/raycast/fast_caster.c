@@ -228,7 +228,8 @@ static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
       return;
     }
     hand->entry_count += tile->entry_count;
-    if (job->walk != NULL) job->walk(&job->scene, tile);
+    /* An empty tile has nothing to walk; an empty mesh not even the cell 0 in which idle lanes rest. */
+    if (job->walk != NULL && tile->entry_count > 0) job->walk(&job->scene, tile);
     for (uint32_t at = 0; at < FAST_TILE_PIXELS; at++) {
       if (tile->first[at] == CELLIST_NONE) continue;
       hand->ray_count++;

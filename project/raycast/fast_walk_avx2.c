@@ -406,7 +406,8 @@ static inline void walk_tile(const fast_scene *scene, fast_tile *tile, fast_layo
     int busy = 0;
     for (int g = 0; g < GROUPS; g++) {
       const int active = _mm256_movemask_ps(groups[g].active);
-      busy |= active;
+      if (active == 0) continue;
+      busy = 1;
       steps += (unsigned)__builtin_popcount((unsigned)active);
       int lost;
       int ended = step(scene, layout, &groups[g], &lost);
