@@ -42,7 +42,7 @@ cellist_result gl_cells_mesh_make(cellist_context *context, const cellist_mesh *
     const double value = scalar->values[i];
     scalars[i] = isfinite(value) ? (float)((value - scale.offset) * scale.factor) : NAN;
   }
-  *made = (gl_cells_mesh){arrays, on_cells, scalars};
+  *made = (gl_cells_mesh){arrays, on_cells, scalar->values, scalars};
   return CELLIST_SUCCESS;
 }
 
@@ -78,7 +78,8 @@ void gl_cells_release(gl_cells *cells) {
 }
 
 cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mesh, const cellist_frame *frame,
-                              const gl_intervals *intervals, double margin, gl_cells *cells) {
+                              const gl_intervals *intervals, const cellist_optics *optics, double margin,
+                              gl_cells *cells) {
   const size_t count = mesh->arrays->point_count;
   const double *bounds = mesh->arrays->bounds;
   gl_cells made = {.context = context, .mesh = mesh, .frame = *frame, .intervals = intervals};
@@ -88,6 +89,7 @@ cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mes
                               .least_depth = fmax(0.5 * frame->near_distance, LEAST_SHARE * size),
                               .margin = margin,
                               .parallel = frame->parallel};
+  made.light = gl_light_of_frame(optics, frame);
   made.corners = cellist_allocate(context, count, sizeof *made.corners);
   made.outside = cellist_allocate(context, count, 1);
   if (made.corners == NULL || made.outside == NULL) {
@@ -243,6 +245,18 @@ static void write_record(const gl_cells *cells, double p[4][3], const double eye
   record[23] = (float)eye[k];
 }
 
+static void write_light(const gl_cells *cells, uint32_t tet, float record[]) {
+  const cellist_mesh_arrays *arrays = cells->mesh->arrays;
+  const uint32_t *v = &arrays->tets[4 * (size_t)tet];
+  const double *corners[4];
+  double scalars[4];
+  for (int k = 0; k < 4; k++) {
+    corners[k] = &arrays->positions[3 * (size_t)v[k]];
+    scalars[k] = cells->mesh->values[cells->mesh->on_cells ? tet : v[k]];
+  }
+  gl_light_of_cell(&cells->light, corners, scalars, &record[24]);
+}
+
 /* Writes one cell; returns the number of triangle corners, 0 if it shows nothing. */
 static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, float record[], gl_corner *out) {
   struct shown shown;
@@ -274,6 +288,9 @@ static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, fl
   }
   eye_coordinates(p, cells->frame.parallel, sides, eye);
   write_record(cells, p, eye, &shown, reference, choose_face(cells, p, sides, wild), record);
+  record[24] = 1;
+  record[25] = record[26] = record[27] = 0;
+  if (cells->light.enabled) write_light(cells, tet, record);
   return count;
 }
 

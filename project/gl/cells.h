@@ -8,9 +8,10 @@
 
 #include "footprint.h"
 #include "intervals.h"
+#include "light.h"
 
 enum {
-  GL_RECORD_FLOATS = 24, /* six texels a cell, see faces.frag */
+  GL_RECORD_FLOATS = 28, /* seven texels a cell, see faces.frag */
   GL_CELLS_GRAIN = 1024, /* cells that are prepared and drawn together */
   GL_CELLS_TRIANGLES = 2 /* at most, of a cell */
 };
@@ -24,7 +25,8 @@ typedef struct gl_corner {
 typedef struct gl_cells_mesh {
   const cellist_mesh_arrays *arrays; /* the mesh's */
   bool on_cells;
-  float *scalars; /* per point or per tet, scaled; NaN where not finite */
+  const double *values; /* the scalar's: per point or per tet */
+  float *scalars;       /* the same, scaled; NaN where not finite */
 } gl_cells_mesh;
 
 /* One frame. */
@@ -33,6 +35,7 @@ typedef struct gl_cells {
   const gl_cells_mesh *mesh;
   cellist_frame frame;
   const gl_intervals *intervals;
+  gl_light light;
   gl_picture picture;
   double (*corners)[3]; /* [point_count] as gl_picture wants them */
   uint8_t *outside;     /* [point_count] OUTSIDE bits of cells.c */
@@ -44,7 +47,8 @@ void gl_cells_mesh_release(cellist_context *context, gl_cells_mesh *mesh);
 
 /* Transforms the points. mesh and intervals are borrowed until gl_cells_release; margin is gl_picture's. */
 cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mesh, const cellist_frame *frame,
-                              const gl_intervals *intervals, double margin, gl_cells *cells);
+                              const gl_intervals *intervals, const cellist_optics *optics, double margin,
+                              gl_cells *cells);
 void gl_cells_release(gl_cells *cells);
 
 /* Prepares the tets order[0..count): record i is that of order[i], if it shows anything. The triangles of the cells

@@ -14,7 +14,7 @@
 extern const char cellist_text_faces_vert[], cellist_text_faces_frag[], cellist_text_exact_glsl[],
     cellist_text_emission_glsl[], cellist_text_maximum_glsl[], cellist_text_isosurfaces_glsl[];
 
-/* Cells a chunk: 168 bytes each then stay below 6 MB, and the chunks are few. */
+/* Cells a chunk: 184 bytes each then stay below 6 MB, and the chunks are few. */
 enum { CHUNK_CELLS = 32768, CHUNK_GRAINS = CHUNK_CELLS / GL_CELLS_GRAIN };
 
 /* A program for each projection, with and without depth, and each model. */
@@ -191,8 +191,11 @@ static cellist_result check_arguments(const cellist_gl *gl, const cellist_frame 
   if ((unsigned)settings->optics.model > CELLIST_MODEL_ISOSURFACES)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no model has the number %d",
                         (int)settings->optics.model);
-  if (settings->optics.light.enabled)
-    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this renderer draws without light");
+  const cellist_light *light = &settings->optics.light;
+  if (light->enabled && !light->cell_gradients)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this renderer lights cells by one gradient each only");
+  if (light->enabled && !(light->gradient_unit > 0 && isfinite(light->gradient_unit)))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the light's gradient unit must be above 0");
   if ((unsigned)settings->framebuffer > CELLIST_FRAMEBUFFER_8)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no framebuffer has the number %d",
                         (int)settings->framebuffer);
@@ -317,7 +320,7 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   if (result != CELLIST_SUCCESS) return result;
   /* Corners are moved by half a step each way, and have float's digits before. */
   const double margin = gl->subpixel + fmax(frame->width, frame->height) * FLT_EPSILON;
-  result = gl_cells_begin(context, &gl->mesh, frame, &drawing.intervals, margin, &drawing.cells);
+  result = gl_cells_begin(context, &gl->mesh, frame, &drawing.intervals, &settings->optics, margin, &drawing.cells);
   if (result == CELLIST_SUCCESS) {
     result = enter(gl);
     if (result == CELLIST_SUCCESS) {

@@ -143,6 +143,23 @@ TEST(isosurfaces_match_the_reference)
   check_model(&settings, 2e-5);
 }
 
+static const cellist_light LIGHT = {true, {0.3, -0.8, 0.6}, 0.2, 0.7, 0.4, 6, 1.5, true};
+
+TEST(lit_volumes_match_the_reference)
+{
+  for (int model = CELLIST_MODEL_EMISSION_ABSORPTION; model <= CELLIST_MODEL_EMISSION; model += 2) {
+    const cellist_gl_settings settings = {.optics = {.model = (cellist_model)model, .light = LIGHT}};
+    check_model(&settings, 5e-5);
+  }
+}
+
+TEST(lit_isosurfaces_match_the_reference)
+{
+  const cellist_isosurface isos[] = {{0.7, 0.5}, {0.31, 1}, {0.52, 0.25}};
+  const cellist_gl_settings settings = {.optics = {CELLIST_MODEL_ISOSURFACES, 3, isos, LIGHT, 0}};
+  check_model(&settings, 5e-5);
+}
+
 /* Halves and bytes cost what their rounding at each blend costs, not more. */
 TEST(smaller_framebuffers_err_by_their_rounding)
 {

@@ -4,6 +4,8 @@
 // Three texels an interval between knots: its ends and 1 / width, colour and extinction at the lower end, at the upper.
 uniform samplerBuffer intervals;
 
+const float OPACITY = 1.0; // of what gather gives as its fourth component
+
 // Depth above which a piece is cut: there the series (of 5th order) errs by some 1e-7 of the opacity. It replaces the
 // closed form with erfcx and Dawson's function, which cost a fifth of the frame for pieces that are rare.
 const float THICK = 0.5;

@@ -4,12 +4,13 @@
 // where the first one reaches 0. So the length of the segment is 0 at a silhouette without a subtraction, however thin
 // the cell.
 //
-// A record of six texels a cell, made in double precision (cells.c), speaks of one back face and its opposite corner:
+// A record of seven texels a cell, made in double precision (cells.c), speaks of one back face and its opposite corner:
 //   0  pixel to which the next three refer, first and last interval of the transfer function in the cell
 //   1-3 one corner of the face each: its barycentric coordinate / depth at that pixel, the change per pixel in x and
 //      in y (parallel: not divided by depth); the eye's coordinate (parallel: the change per unit towards the eye)
 //   4  the scalar at the three corners and at the opposite one
 //   5  depth of the three corners; the eye's coordinate of the opposite one
+//   6  what light multiplies colours by, and the highlight it adds (1 and 0 without light)
 uniform samplerBuffer records;
 flat in int record;
 uniform vec2 centre;         // of the image, in pixels
@@ -24,13 +25,14 @@ layout(location = 1) out vec4 depth; // -front, back: both blended by their maxi
 const float BIG = 3.0e38;
 
 void main() {
-  int at = 6 * record;
+  int at = 7 * record;
   vec4 head = texelFetch(records, at);
   vec4 a = texelFetch(records, at + 1);
   vec4 b = texelFetch(records, at + 2);
   vec4 c = texelFetch(records, at + 3);
   vec4 scalar = texelFetch(records, at + 4);
   vec4 tail = texelFetch(records, at + 5);
+  vec4 light = texelFetch(records, at + 6);
 
   vec2 offset = gl_FragCoord.xy - head.xy;
   vec3 weight = vec3(a.x + dot(a.yz, offset), b.x + dot(b.yz, offset), c.x + dot(c.yz, offset));
@@ -81,7 +83,7 @@ void main() {
   vec2 seen;
   vec4 gathered = gather(front, back, ray_length, ivec2(head.zw), seen);
   if (seen.y < seen.x) discard;
-  result = gathered;
+  result = vec4(gathered.xyz * light.x + gathered.w * light.y, OPACITY * gathered.w);
 #ifdef WITH_DEPTH
   depth = vec4(-(exit_depth - thickness * (1.0 - seen.x)), exit_depth - thickness * (1.0 - seen.y), 0.0, 0.0);
 #endif

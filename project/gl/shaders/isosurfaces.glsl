@@ -5,6 +5,8 @@
 // Two texels a surface: value; colour and opacity.
 uniform samplerBuffer intervals;
 
+const float OPACITY = 1.0; // of what gather gives as its fourth component
+
 // range: the first surface at or above the cell's least scalar, and the first at or above its greatest.
 vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
   bool up = back >= front;
