@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Bins: which cells of an order may cover which tile. Private. */
+#ifndef CELLIST_SOFT_BINS_H
+#define CELLIST_SOFT_BINS_H
+
+#include "scene.h"
+
+/* A point of the mesh in the image: pixels, NaN if it lies behind the eye. */
+typedef struct soft_place {
+  float x, y;
+} soft_place;
+
+/* Memory kept from frame to frame. */
+typedef struct soft_bins {
+  soft_vertex *vertices; /* [points] */
+  soft_place *places;    /* [points] */
+  soft_rect *rects;      /* [rect_capacity] of the order's places */
+  size_t rect_capacity;
+  size_t *counts; /* [tiles][chunks], then where each chunk's entries of a tile begin */
+  size_t count_capacity;
+  size_t *tile_begin; /* [tile_capacity] */
+  size_t tile_capacity;
+  uint32_t *entries;
+  size_t entry_capacity;
+} soft_bins;
+
+/* Everything about the mesh that binning needs. */
+typedef struct soft_bins_input {
+  cellist_context *context;
+  const cellist_frame *frame;
+  size_t point_count, tet_count;
+  const double *positions;
+  const double *point_scalars; /* [points] as the optics take them; NULL: on cells */
+  const uint8_t *is_drawn;     /* [tets] */
+  size_t order_count;
+} soft_bins_input;
+
+/* Works out vertices, rectangles and tiles' entries, and sets the scene's pointers to them. scene has its order, tets
+ * and ray parameters. cell_count: cells that are in a tile. Errors: OUT_OF_MEMORY. */
+cellist_result soft_bins_make(soft_bins *bins, const soft_bins_input *input, soft_scene *scene, size_t *cell_count);
+void soft_bins_release(cellist_context *context, soft_bins *bins);
+
+#endif

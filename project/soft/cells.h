@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Cells: from four tets to what covers their pixels: planes and scalars relative to a reference ray. Included by
+ * each kernel.
+ *
+ * In a perspective view let w = 1/t along the ray r = (u, v, 1) from the eye. With the barycentric function
+ * L(p) = a . p - h of a corner (0 on the opposite face, positive inside), L(t r) >= 0 becomes, for every t > 0,
+ *   w <= (a . r) / h  where h > 0 (the eye is outside: an entry),  w >= (a . r) / h  where h < 0 (an exit):
+ * both sides are linear in the pixel, whatever lies behind the eye; nothing is clipped. Parallel views get the same
+ * with w = -t, a . r - h above and a_z below the line. A pixel is covered where the smallest entry and the near plane
+ * exceed the largest exit: no edge is tested, no thick vertex made (algorithms as in [W] section 4, by pixel).
+ *
+ * Setting up takes double precision; pixels take single precision, relative to the cell's own depth, position and
+ * scalar. Where that does not do (a face or gradient so steep over the rectangle that rounding shows, the eye's plane
+ * through the cell) the cell is `careful`: its pixels are worked out in double precision. */
+#ifndef CELLIST_SOFT_CELLS_H
+#define CELLIST_SOFT_CELLS_H
+
+#include "lanes.h"
+#include "scene.h"
+
+/* A plane or scalar may vary over the cell's rectangle by this many times the cell's own depth or scalar range. Twice
+ * that is twice the error (2^-23 times this, of a cell's depth: 3e-6 of the optical depth at its longest ray), and half
+ * as many careful cells. */
+#define CAREFUL_RATIO 32.0
+
+/* Scalars are 0 to 1 over the mesh; a cell's range below this is counted as this. Smaller: more careful cells. */
+#define CAREFUL_SCALAR 1e-3
+
+/* With the eye in the cell and the near plane at 0 the entry's 1/t is infinite: it is cut to this many times the
+ * exit's. Larger: 1/t loses digits of the exit; smaller: this share of the length is missing. */
+#define ENTRY_LIMIT 1048576.0
+
+typedef struct cell_batch {
+  float plane[4][3][4];                /* [face][constant, per x, per y][lane] */
+  float record[8][4];                  /* soft_record's fields in their order */
+  double gradient[3][4], corner[4][4]; /* of the scalar; x y z s of a point where it is known */
+  double z_low[4], z_high[4], s_low[4], s_high[4];
+  unsigned usable, careful, is_entry[4]; /* bit per lane; is_entry by face */
+} cell_batch;
+
+typedef struct cell_vector {
+  d4 x, y, z;
+} cell_vector;
+
+static inline cell_vector vector_sub(const d4 a[4], const d4 b[4]) {
+  return (cell_vector){d4_sub(a[0], b[0]), d4_sub(a[1], b[1]), d4_sub(a[2], b[2])};
+}
+static inline cell_vector vector_cross(cell_vector a, cell_vector b) {
+  return (cell_vector){d4_sub(d4_mul(a.y, b.z), d4_mul(a.z, b.y)), d4_sub(d4_mul(a.z, b.x), d4_mul(a.x, b.z)),
+                       d4_sub(d4_mul(a.x, b.y), d4_mul(a.y, b.x))};
+}
+static inline d4 vector_dot(cell_vector a, cell_vector b) {
+  return d4_add(d4_add(d4_mul(a.x, b.x), d4_mul(a.y, b.y)), d4_mul(a.z, b.z));
+}
+static inline cell_vector vector_scale(cell_vector a, d4 s) {
+  return (cell_vector){d4_mul(a.x, s), d4_mul(a.y, s), d4_mul(a.z, s)};
+}
+
+/* Gradients of the four barycentric functions; returns the lanes whose volume has the sign that the mesh promises
+ * (rounding of a sliver's points may take it: what is left of its depth is some 1e-15 of the mesh). */
+static inline unsigned cell_gradients(const d4 v[4][4], cell_vector a[4]) {
+  const cell_vector e1 = vector_sub(v[1], v[0]), e2 = vector_sub(v[2], v[0]), e3 = vector_sub(v[3], v[0]);
+  const cell_vector f2 = vector_sub(v[2], v[1]), f3 = vector_sub(v[3], v[1]);
+  a[1] = vector_cross(e2, e3);
+  a[2] = vector_cross(e3, e1);
+  a[3] = vector_cross(e1, e2);
+  a[0] = vector_cross(f3, f2);
+  const d4 volume = vector_dot(e1, a[1]); /* negative: right, up, forward is left-handed */
+  const d4 inverse = d4_div(d4_all(1), volume);
+  for (int k = 0; k < 4; k++) a[k] = vector_scale(a[k], inverse);
+  return d4_at_most(volume, d4_all(-1e-300));
+}
+
+static inline void store_vector(double out[3][4], cell_vector a) {
+  d4_store(out[0], a.x);
+  d4_store(out[1], a.y);
+  d4_store(out[2], a.z);
+}
+
+/* cell: four tets; rect: theirs, cut to the tile. */
+static inline void cells_set_up(const soft_scene *scene, const uint32_t cell[4], const soft_rect rect[4],
+                                cell_batch *batch) {
+  d4 v[4][4];
+  for (int k = 0; k < 4; k++) {
+    const double *row[4];
+    for (int i = 0; i < 4; i++) row[i] = &scene->vertices[scene->tets[4 * (size_t)cell[i] + (size_t)k]].x;
+    d4_transpose(row, v[k]);
+  }
+  double u0[4], v0[4], wide[4], high[4];
+  for (int i = 0; i < 4; i++) {
+    u0[i] = scene->across + scene->across_step * rect[i].x0;
+    v0[i] = scene->upward + scene->upward_step * rect[i].y0;
+    wide[i] = rect[i].x1 - rect[i].x0;
+    high[i] = rect[i].y1 - rect[i].y0;
+  }
+  const d4 across = d4_load(u0), upward = d4_load(v0), columns = d4_load(wide), rows = d4_load(high);
+  const d4 du = d4_all(scene->across_step), dv = d4_all(scene->upward_step);
+
+  cell_vector a[4];
+  batch->usable = cell_gradients((const d4(*)[4])v, a);
+  const d4 z_low = d4_min(d4_min(v[0][2], v[1][2]), d4_min(v[2][2], v[3][2]));
+  const d4 z_high = d4_max(d4_max(v[0][2], v[1][2]), d4_max(v[2][2], v[3][2]));
+  const d4 middle = d4_mul(d4_all(0.5), d4_add(z_low, z_high));
+  d4 place, extent, farthest, depth; /* of w: the reference, the cell's range; depths */
+  if (scene->parallel) {
+    place = d4_sub(d4_all(0), middle);
+    extent = d4_sub(z_high, z_low);
+    farthest = depth = d4_all(1);
+    batch->careful = 0;
+  } else {
+    place = d4_div(d4_all(1), middle);
+    extent = d4_div(d4_sub(z_high, z_low), d4_mul(z_low, z_high));
+    farthest = z_high;
+    depth = middle;
+    batch->careful = d4_at_most(z_low, d4_all(0));
+  }
+  const d4 limit = d4_mul(d4_all(CAREFUL_RATIO), extent);
+  unsigned plain = 15;
+  for (int k = 0; k < 4; k++) {
+    const d4 *on = v[k == 0 ? 1 : 0];
+    const cell_vector point = {on[0], on[1], on[2]};
+    const d4 h = vector_dot(a[k], point);
+    const d4 flat = d4_add(d4_mul(a[k].x, across), d4_mul(a[k].y, upward));
+    const d4 above = scene->parallel ? d4_sub(flat, h) : d4_add(flat, a[k].z);
+    const d4 below = scene->parallel ? a[k].z : h;
+    const d4 inverse = d4_div(d4_all(1), below);
+    const d4 constant = d4_sub(d4_mul(above, inverse), place);
+    const d4 per_x = d4_mul(d4_mul(a[k].x, du), inverse), per_y = d4_mul(d4_mul(a[k].y, dv), inverse);
+    batch->is_entry[k] = d4_at_most(d4_all(0), below);
+    const d4 size = d4_add(d4_abs(constant), d4_add(d4_mul(d4_abs(per_x), columns), d4_mul(d4_abs(per_y), rows)));
+    plain &= d4_at_most(size, limit);
+    d4_store_float(batch->plane[k][0], constant);
+    d4_store_float(batch->plane[k][1], per_x);
+    d4_store_float(batch->plane[k][2], per_y);
+  }
+
+  d4 s[4];
+  for (int k = 0; k < 4; k++) s[k] = v[k][3];
+  if (scene->cell_scalars != NULL) {
+    double value[4];
+    for (int i = 0; i < 4; i++) value[i] = scene->cell_scalars[cell[i]];
+    for (int k = 0; k < 4; k++) s[k] = d4_load(value);
+  }
+  cell_vector gradient = vector_scale(a[1], d4_sub(s[1], s[0]));
+  for (int k = 2; k < 4; k++) {
+    const cell_vector part = vector_scale(a[k], d4_sub(s[k], s[0]));
+    gradient = (cell_vector){d4_add(gradient.x, part.x), d4_add(gradient.y, part.y), d4_add(gradient.z, part.z)};
+  }
+  const d4 s_low = d4_min(d4_min(s[0], s[1]), d4_min(s[2], s[3]));
+  const d4 s_high = d4_max(d4_max(s[0], s[1]), d4_max(s[2], s[3]));
+  const cell_vector reference = scene->parallel ? (cell_vector){across, upward, middle}
+                                                : (cell_vector){d4_mul(across, depth), d4_mul(upward, depth), depth};
+  const cell_vector from_corner = {d4_sub(reference.x, v[0][0]), d4_sub(reference.y, v[0][1]),
+                                   d4_sub(reference.z, v[0][2])};
+  const d4 at_reference = d4_add(s[0], vector_dot(gradient, from_corner));
+  const d4 along =
+      scene->parallel ? gradient.z : d4_add(d4_add(d4_mul(gradient.x, across), d4_mul(gradient.y, upward)), gradient.z);
+  const d4 slope_x = d4_mul(gradient.x, du), slope_y = d4_mul(gradient.y, dv);
+  const d4 varies = d4_mul(farthest, d4_add(d4_mul(d4_mul(extent, depth), d4_abs(along)),
+                                            d4_add(d4_mul(d4_abs(slope_x), columns), d4_mul(d4_abs(slope_y), rows))));
+  const d4 range = d4_max(d4_sub(s_high, s_low), d4_all(CAREFUL_SCALAR));
+  plain &= d4_at_most(varies, d4_mul(d4_all(CAREFUL_RATIO), range));
+  batch->careful |= 15 & ~plain;
+  const d4 record[8] = {at_reference, along, slope_x, slope_y, depth, place, s_low, s_high};
+  for (int i = 0; i < 8; i++) d4_store_float(batch->record[i], record[i]);
+  store_vector(batch->gradient, gradient);
+  for (int i = 0; i < 3; i++) d4_store(batch->corner[i], v[0][i]);
+  d4_store(batch->corner[3], s[0]);
+  d4_store(batch->z_low, z_low);
+  d4_store(batch->z_high, z_high);
+  d4_store(batch->s_low, s_low);
+  d4_store(batch->s_high, s_high);
+}
+
+#endif

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Soft: the public calls; prepares a frame and shares its tiles out among the workers. */
+#include <cellist/soft.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+#include "bins.h"
+
+struct cellist_soft {
+  cellist_context *context;
+  const cellist_mesh *mesh;
+  const cellist_scalar *scalar;
+  bool vectorised;
+  double unit;       /* the mesh's diagonal */
+  double *scalars;   /* [points or tets] as the optics take them */
+  uint8_t *is_drawn; /* [tets] */
+  soft_bins bins;
+  soft_worker *workers; /* [worker_count] */
+  unsigned worker_count;
+};
+
+/* Fragments a worker has room for from the start: more than wait outside of groups. */
+enum { FIRST_FRAGMENTS = 4096 };
+
+static bool has_avx2(void) {
+#ifdef CELLIST_SOFT_AVX2
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+  return false;
+#endif
+}
+
+static soft_tile_function tile_function(const cellist_soft *soft) {
+#ifdef CELLIST_SOFT_AVX2
+  if (soft->vectorised) return soft_tile_avx2;
+#endif
+  (void)soft;
+  return soft_tile_portable;
+}
+
+static void mark_drawn(cellist_soft *soft) {
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(soft->mesh);
+  const bool on_points = soft->scalar->association == CELLIST_ON_POINTS;
+  for (size_t i = 0; i < arrays->tet_count; i++) {
+    bool drawn = (arrays->tet_flags[i] & CELLIST_TET_FLAT) == 0;
+    for (int k = 0; k < 4 && on_points; k++)
+      drawn = drawn && isfinite(soft->scalar->values[arrays->tets[4 * i + (size_t)k]]);
+    soft->is_drawn[i] = drawn && (on_points || isfinite(soft->scalar->values[i]));
+  }
+}
+
+static cellist_result create_workers(cellist_soft *soft) {
+  soft->worker_count = cellist_context_worker_count(soft->context);
+  soft->workers = cellist_allocate_zeroed(soft->context, soft->worker_count, sizeof *soft->workers);
+  if (soft->workers == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (unsigned i = 0; i < soft->worker_count; i++) {
+    soft_worker *worker = &soft->workers[i];
+    worker->pixels = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->pixels);
+    worker->z = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z);
+    worker->z_back = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z_back);
+    if (worker->pixels == NULL || worker->z == NULL || worker->z_back == NULL ||
+        !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
+      return CELLIST_ERROR_OUT_OF_MEMORY;
+  }
+  return CELLIST_SUCCESS;
+}
+
+cellist_result cellist_soft_create(cellist_context *context, const cellist_mesh *mesh, const cellist_scalar *scalar,
+                                   const cellist_soft_desc *desc, cellist_soft **soft) {
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (mesh == NULL || scalar == NULL || soft == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a projector needs a mesh and a scalar");
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
+  const size_t count = scalar->association == CELLIST_ON_POINTS ? arrays->point_count : arrays->tet_count;
+  if (scalar->count != count || (scalar->values == NULL && count > 0))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the scalar has %zu values, the mesh needs %zu",
+                        scalar->count, count);
+  cellist_soft *created = cellist_allocate_zeroed(context, 1, sizeof *created);
+  if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  created->context = context;
+  created->mesh = mesh;
+  created->scalar = scalar;
+  created->vectorised = has_avx2() && !(desc != NULL && desc->portable);
+  const double *b = arrays->bounds;
+  created->unit = hypot(hypot(b[3] - b[0], b[4] - b[1]), b[5] - b[2]);
+  if (!(created->unit > 0) || !isfinite(created->unit)) created->unit = 1;
+  created->scalars = cellist_allocate(context, count, sizeof *created->scalars);
+  created->is_drawn = cellist_allocate(context, arrays->tet_count, sizeof *created->is_drawn);
+  const bool ok = created->scalars != NULL && created->is_drawn != NULL && create_workers(created) == CELLIST_SUCCESS;
+  if (!ok) {
+    cellist_soft_destroy(created);
+    return CELLIST_ERROR_OUT_OF_MEMORY;
+  }
+  mark_drawn(created);
+  *soft = created;
+  return CELLIST_SUCCESS;
+}
+
+void cellist_soft_destroy(cellist_soft *soft) {
+  if (soft == NULL) return;
+  cellist_context *context = soft->context;
+  for (unsigned i = 0; soft->workers != NULL && i < soft->worker_count; i++) {
+    soft_worker *worker = &soft->workers[i];
+    soft_fragments_release(context, &worker->fragments);
+    soft_fragments_release(context, &worker->sorted);
+    cellist_deallocate(context, worker->keys);
+    cellist_deallocate(context, worker->scratch_keys);
+    cellist_deallocate(context, worker->values);
+    cellist_deallocate(context, worker->scratch_values);
+    cellist_deallocate(context, worker->pixels);
+    cellist_deallocate(context, worker->z);
+    cellist_deallocate(context, worker->z_back);
+  }
+  cellist_deallocate(context, soft->workers);
+  cellist_deallocate(context, soft->scalars);
+  cellist_deallocate(context, soft->is_drawn);
+  soft_bins_release(context, &soft->bins);
+  cellist_deallocate(context, soft);
+}
+
+static cellist_result check_transfer(cellist_context *context, const cellist_transfer *transfer) {
+  if (transfer == NULL || transfer->knot_count == 0 || transfer->knots == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a transfer function needs a knot");
+  for (size_t i = 0; i < transfer->knot_count; i++) {
+    const cellist_transfer_knot *knot = &transfer->knots[i];
+    bool finite = isfinite(knot->value) && isfinite(knot->extinction) && knot->extinction >= 0;
+    for (int k = 0; k < 3; k++) finite = finite && isfinite(knot->colour[k]);
+    if (!finite)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "knot %zu of the transfer function is not finite, or its extinction negative", i);
+    if (i > 0 && knot->value < transfer->knots[i - 1].value)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "knot %zu of the transfer function is out of order",
+                          i);
+  }
+  return CELLIST_SUCCESS;
+}
+
+static cellist_result check_settings(cellist_context *context, const cellist_soft_settings *settings) {
+  if ((settings->order == NULL && settings->order_count > 0) || settings->order_count > UINT32_MAX ||
+      (settings->groups == NULL && settings->group_count > 0))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the order or its groups are NULL, or too many");
+  size_t reached = 0;
+  for (size_t i = 0; i < settings->group_count; i++) {
+    const cellist_soft_group *group = &settings->groups[i];
+    if (group->begin < reached || group->begin > settings->order_count ||
+        group->count > settings->order_count - group->begin)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "group %zu is out of order or beyond it", i);
+    reached = group->begin + group->count;
+  }
+  const cellist_optics *optics = &settings->optics;
+  if (optics->model != CELLIST_MODEL_EMISSION_ABSORPTION && optics->model != CELLIST_MODEL_ABSORPTION)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
+                        "the soft projector draws emission-absorption and absorption only");
+  if (optics->light.enabled)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "the soft projector draws no light");
+  return CELLIST_SUCCESS;
+}
+
+static cellist_result check_frame(cellist_context *context, const cellist_frame *frame, const cellist_image *image) {
+  if (frame == NULL || image == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a picture needs a frame and an image");
+  if (cellist_image_width(image) != frame->width || cellist_image_height(image) != frame->height)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the image is %ux%u, the frame %ux%u",
+                        cellist_image_width(image), cellist_image_height(image), frame->width, frame->height);
+  if (frame->width > UINT16_MAX || frame->height > UINT16_MAX)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "the soft projector draws at most %u pixels along a side",
+                        (unsigned)UINT16_MAX);
+  return CELLIST_SUCCESS;
+}
+
+static soft_scene scene_of(const cellist_soft *soft, const cellist_frame *frame, const cellist_soft_settings *settings,
+                           const cellist_image *image) {
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(soft->mesh);
+  const double scale = frame->parallel ? 1 / soft->unit : 1;
+  const double half_width = frame->half_width * scale, half_height = frame->half_height * scale;
+  soft_scene scene = {.context = soft->context,
+                      .parallel = frame->parallel,
+                      .across_step = 2 * half_width / frame->width,
+                      .upward_step = -2 * half_height / frame->height,
+                      .near = frame->near_distance / soft->unit,
+                      .unit = soft->unit,
+                      .width = frame->width,
+                      .height = frame->height,
+                      .tiles_across = (frame->width + SOFT_TILE - 1) / SOFT_TILE,
+                      .tets = arrays->tets,
+                      .order = settings->order,
+                      .cell_scalars = soft->scalar->association == CELLIST_ON_CELLS ? soft->scalars : NULL,
+                      .groups = settings->groups,
+                      .group_count = settings->group_count,
+                      .alpha = cellist_image_channel(image, "A"),
+                      .z = cellist_image_channel(image, "Z"),
+                      .z_back = cellist_image_channel(image, "ZBack")};
+  scene.across = -half_width + 0.5 * scene.across_step;
+  scene.upward = half_height + 0.5 * scene.upward_step;
+  static const char *const colour[3] = {"R", "G", "B"};
+  for (int k = 0; k < 3; k++) scene.colour[k] = cellist_image_channel(image, colour[k]);
+  return scene;
+}
+
+struct tiles {
+  cellist_soft *soft;
+  const soft_scene *scene;
+  atomic_bool failed;
+};
+
+static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
+  struct tiles *tiles = user;
+  const soft_tile_function draw = tile_function(tiles->soft);
+  for (size_t tile = begin; tile < end && !atomic_load(&tiles->failed); tile++)
+    if (!draw(tiles->scene, &tiles->soft->workers[worker], tile)) atomic_store(&tiles->failed, true);
+}
+
+static cellist_result draw(cellist_soft *soft, const cellist_frame *frame, const cellist_soft_settings *settings,
+                           soft_scene *scene, cellist_soft_stats *stats) {
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(soft->mesh);
+  for (size_t i = 0; i < soft->scalar->count; i++)
+    soft->scalars[i] = fast_scalar(scene->transfer, soft->scalar->values[i]);
+  const soft_bins_input input = {.context = soft->context,
+                                 .frame = frame,
+                                 .point_count = arrays->point_count,
+                                 .tet_count = arrays->tet_count,
+                                 .positions = arrays->positions,
+                                 .point_scalars = scene->cell_scalars == NULL ? soft->scalars : NULL,
+                                 .is_drawn = soft->is_drawn,
+                                 .order_count = settings->order_count};
+  size_t cell_count = 0;
+  cellist_result result = soft_bins_make(&soft->bins, &input, scene, &cell_count);
+  if (result == CELLIST_SUCCESS) result = cellist_progress(soft->context, "projecting", 0);
+  if (result != CELLIST_SUCCESS) return result;
+  struct tiles tiles = {.soft = soft, .scene = scene};
+  atomic_init(&tiles.failed, false);
+  for (unsigned i = 0; i < soft->worker_count; i++) {
+    soft->workers[i].fragment_count = 0;
+    soft->workers[i].careful_count = 0;
+  }
+  const size_t tile_count = (size_t)scene->tiles_across * ((scene->height + SOFT_TILE - 1) / SOFT_TILE);
+  cellist_parallel_for(soft->context, tile_count, 1, draw_tiles, &tiles);
+  if (atomic_load(&tiles.failed)) return CELLIST_ERROR_OUT_OF_MEMORY;
+  *stats = (cellist_soft_stats){.cell_count = cell_count, .vectorised = soft->vectorised};
+  for (unsigned i = 0; i < soft->worker_count; i++) {
+    stats->fragment_count += soft->workers[i].fragment_count;
+    stats->careful_count += soft->workers[i].careful_count;
+  }
+  return cellist_progress(soft->context, "projecting", 1);
+}
+
+cellist_result cellist_soft_render(cellist_soft *soft, const cellist_frame *frame, const cellist_transfer *transfer,
+                                   const cellist_soft_settings *settings, cellist_image *image,
+                                   cellist_soft_stats *stats) {
+  if (soft == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  cellist_context *context = soft->context;
+  if (settings == NULL) return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a picture needs settings");
+  cellist_result result = check_frame(context, frame, image);
+  if (result == CELLIST_SUCCESS) result = check_transfer(context, transfer);
+  if (result == CELLIST_SUCCESS) result = check_settings(context, settings);
+  if (result != CELLIST_SUCCESS) return result;
+  fast_transfer table;
+  result = fast_transfer_create(context, transfer, soft->scalar->minimum, soft->scalar->maximum, soft->unit,
+                                settings->optics.model == CELLIST_MODEL_EMISSION_ABSORPTION, &table);
+  if (result != CELLIST_SUCCESS) return result;
+  soft_scene scene = scene_of(soft, frame, settings, image);
+  scene.transfer = &table;
+  cellist_soft_stats found = {0};
+  result = draw(soft, frame, settings, &scene, &found);
+  if (result == CELLIST_SUCCESS && stats != NULL) *stats = found;
+  fast_transfer_release(context, &table);
+  return result;
+}
