@@ -19,9 +19,9 @@
 #include "scene.h"
 
 /* A plane or scalar may vary over the cell's rectangle by this many times the cell's own depth or scalar range. Twice
- * that is twice the error (2^-23 times this, of a cell's depth: 3e-6 of the optical depth at its longest ray), and half
- * as many careful cells. */
-#define CAREFUL_RATIO 32.0
+ * that is twice the error (2^-23 times this, of a cell's depth: 1.5e-5 of the optical depth at its longest ray), and
+ * half as many careful cells. */
+#define CAREFUL_RATIO 128.0
 
 /* Scalars are 0 to 1 over the mesh; a cell's range below this is counted as this. Smaller: more careful cells. */
 #define CAREFUL_SCALAR 1e-3
