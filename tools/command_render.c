@@ -161,6 +161,7 @@ static int report_text(const struct render_options *options, const char *mesh_na
 static cellist_pipeline_desc pipeline_desc(const struct render_options *options, const char *source) {
   cellist_pipeline_desc desc = {.source = source};
   if (strcmp(options->renderer, "faces") == 0) desc.renderer = CELLIST_RENDERER_FACES;
+  if (strcmp(options->renderer, "soft") == 0) desc.renderer = CELLIST_RENDERER_SOFT;
   if (strcmp(options->renderer, "cast") == 0) desc.renderer = CELLIST_RENDERER_CAST;
   if (strcmp(options->backend, "osmesa") == 0) desc.backend = CELLIST_BACKEND_OSMESA;
   if (strcmp(options->backend, "egl") == 0) desc.backend = CELLIST_BACKEND_EGL;
@@ -184,8 +185,8 @@ int command_render(int argc, char **argv) {
       {"o", "IMAGE", "where to, .exr or .png; may be repeated; - is EXR on standard output", OPTION_TEXTS,
        &options.outputs},
       {"size", "WxH", "pixels (512x512)", OPTION_SIZE, options.size},
-      {"renderer", "auto|faces|cast", "how: OpenGL cell projection or ray casting (auto)", OPTION_CHOICE,
-       &options.renderer},
+      {"renderer", "auto|faces|soft|cast", "how: cell projection with or without OpenGL, or ray casting (auto)",
+       OPTION_CHOICE, &options.renderer},
       {"precision", "fast|reference", "of cast: single precision, or double with a proved bound (fast)", OPTION_CHOICE,
        &options.precision},
       {"tets", "32|20|16", "of cast, fast: bytes a cell of the compact mesh (the fastest layout)", OPTION_CHOICE,

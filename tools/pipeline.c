@@ -5,6 +5,7 @@
 
 #include <cellist/generate.h>
 #include <cellist/raycast.h>
+#include <cellist/soft.h>
 #include <cellist/sort.h>
 #include <cellist/validate.h>
 #include <cellist/version.h>
@@ -29,6 +30,7 @@ struct cellist_pipeline {
   double unit_distance;
   double load_seconds;
   cellist_raycaster *caster;
+  cellist_soft *soft;
   cellist_sorter *sorter;
   uint32_t *order; /* [tet_count] far to near */
 #ifdef CELLIST_HAS_GL
@@ -127,7 +129,6 @@ static cellist_result load_transfer(cellist_pipeline *pipeline) {
   return cellist_transfer_load(pipeline->context, &desc, &pipeline->transfer);
 }
 
-#ifdef CELLIST_HAS_GL
 static cellist_result make_sorter(cellist_pipeline *pipeline) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(pipeline->mesh);
   const cellist_sorter_desc desc = {.point_count = arrays->point_count,
@@ -140,8 +141,6 @@ static cellist_result make_sorter(cellist_pipeline *pipeline) {
   pipeline->order = cellist_allocate(pipeline->context, arrays->tet_count, sizeof *pipeline->order);
   return pipeline->order != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
-
-#endif
 
 static cellist_result make_faces(cellist_pipeline *pipeline) {
 #ifdef CELLIST_HAS_GL
@@ -164,6 +163,11 @@ static cellist_result make_renderer(cellist_pipeline *pipeline) {
   /* The ray caster needs no order and no OpenGL, which in software is slower. */
   if (pipeline->renderer == CELLIST_RENDERER_AUTO) pipeline->renderer = CELLIST_RENDERER_CAST;
   if (pipeline->renderer == CELLIST_RENDERER_FACES) return make_faces(pipeline);
+  if (pipeline->renderer == CELLIST_RENDERER_SOFT) {
+    const cellist_result result = make_sorter(pipeline);
+    if (result != CELLIST_SUCCESS) return result;
+    return cellist_soft_create(pipeline->context, pipeline->mesh, &pipeline->scalar, NULL, &pipeline->soft);
+  }
   const cellist_raycaster_desc desc = {.tets = pipeline->desc.tets};
   return cellist_raycaster_create(pipeline->context, pipeline->mesh, &pipeline->scalar, &desc, &pipeline->caster);
 }
@@ -217,6 +221,7 @@ void cellist_pipeline_destroy(cellist_pipeline *pipeline) {
 #endif
   cellist_deallocate(context, pipeline->order);
   cellist_deallocate(context, pipeline->isos);
+  cellist_soft_destroy(pipeline->soft);
   cellist_sorter_destroy(pipeline->sorter);
   cellist_raycaster_destroy(pipeline->caster);
   cellist_transfer_release(context, &pipeline->transfer);
@@ -259,24 +264,63 @@ static cellist_result draw_cast(cellist_pipeline *pipeline, const cellist_frame 
   return CELLIST_SUCCESS;
 }
 
-#ifdef CELLIST_HAS_GL
-static cellist_result draw_faces(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
+/* Sorts the cells for the frame's eye. */
+static cellist_result sort_cells(cellist_pipeline *pipeline, const cellist_frame *frame,
                                  cellist_pipeline_stats *stats) {
   cellist_viewpoint viewpoint = {.parallel = frame->parallel};
   memcpy(viewpoint.position, frame->parallel ? frame->forward : frame->eye, sizeof viewpoint.position);
   cellist_sort_stats sorted;
-  double begin = seconds_now();
-  cellist_result result = cellist_sorter_sort(pipeline->sorter, &viewpoint, pipeline->order, &sorted);
+  const double begin = seconds_now();
+  const cellist_result result = cellist_sorter_sort(pipeline->sorter, &viewpoint, pipeline->order, &sorted);
   if (result != CELLIST_SUCCESS) return result;
   stats->sort_seconds = seconds_now() - begin;
-  /* Inside a group no order of whole cells is right, and they are drawn in one. */
-  stats->order = sorted.exact && sorted.group_count == 0 ? "exact" : "approximate";
+  stats->order = sorted.exact ? "exact" : "approximate";
   stats->group_count = sorted.group_count;
   stats->cells_in_groups = sorted.cells_in_groups;
+  return CELLIST_SUCCESS;
+}
 
+static cellist_result draw_soft(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
+                                cellist_pipeline_stats *stats) {
+  cellist_result result = sort_cells(pipeline, frame, stats);
+  if (result != CELLIST_SUCCESS) return result;
+  const cellist_group *sorted = NULL;
+  size_t group_count = 0;
+  cellist_sorter_groups(pipeline->sorter, &sorted, &group_count);
+  cellist_soft_group *groups = cellist_allocate(pipeline->context, group_count, sizeof *groups);
+  if (groups == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (size_t i = 0; i < group_count; i++) groups[i] = (cellist_soft_group){sorted[i].begin, sorted[i].count};
+  const cellist_soft_settings settings = {.optics = pipeline->desc.optics.model,
+                                          .order = pipeline->order,
+                                          .order_count = cellist_mesh_get_arrays(pipeline->mesh)->tet_count,
+                                          .groups = groups,
+                                          .group_count = group_count};
+  cellist_soft_stats drawn;
+  const double begin = seconds_now();
+  result = cellist_soft_render(pipeline->soft, frame, &pipeline->transfer, &settings, image, &drawn);
+  cellist_deallocate(pipeline->context, groups);
+  if (result != CELLIST_SUCCESS) return result;
+  stats->draw_seconds = seconds_now() - begin;
+  stats->renderer = "soft";
+  stats->method = "exact";
+  stats->precision = "fast";
+  stats->backend = "none";
+  stats->fragments = drawn.fragment_count;
+  stats->left_out[0] = "exterior";
+  stats->left_out[1] = "tables";
+  return CELLIST_SUCCESS;
+}
+
+#ifdef CELLIST_HAS_GL
+static cellist_result draw_faces(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
+                                 cellist_pipeline_stats *stats) {
+  cellist_result result = sort_cells(pipeline, frame, stats);
+  if (result != CELLIST_SUCCESS) return result;
+  /* Inside a group no order of whole cells is right, and they are drawn in one. */
+  if (stats->group_count > 0) stats->order = "approximate";
   const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model};
   cellist_gl_stats drawn;
-  begin = seconds_now();
+  const double begin = seconds_now();
   result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order,
                              cellist_mesh_get_arrays(pipeline->mesh)->tet_count, &settings, image, &drawn);
   if (result != CELLIST_SUCCESS) return result;
@@ -338,6 +382,8 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
   if (result == CELLIST_SUCCESS && pipeline->renderer == CELLIST_RENDERER_FACES)
     result = draw_faces(pipeline, &frame, created, &made);
 #endif
+  if (result == CELLIST_SUCCESS && pipeline->renderer == CELLIST_RENDERER_SOFT)
+    result = draw_soft(pipeline, &frame, created, &made);
   if (result == CELLIST_SUCCESS && pipeline->renderer == CELLIST_RENDERER_CAST)
     result = draw_cast(pipeline, &frame, created, &made);
   if (result == CELLIST_SUCCESS) result = describe(pipeline, &frame, &made, created);

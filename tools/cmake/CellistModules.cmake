@@ -14,7 +14,7 @@ set(needs_optics base)
 set(needs_raycast data optics)
 set(needs_soft data optics)
 set(needs_gl data optics)
-set(needs_tools data generators sort optics raycast)
+set(needs_tools data generators sort optics raycast soft)
 
 set(CELLIST_ENABLED ${CELLIST_MODULES})
 if(CELLIST_MODULES STREQUAL "all")

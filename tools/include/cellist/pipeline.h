@@ -39,6 +39,7 @@ typedef struct cellist_pipeline_optics {
 typedef enum cellist_renderer {
   CELLIST_RENDERER_AUTO,  /* the one that suits the machine and the scene */
   CELLIST_RENDERER_FACES, /* OpenGL, back faces in visibility order */
+  CELLIST_RENDERER_SOFT,  /* cell projection without OpenGL; composites groups exactly */
   CELLIST_RENDERER_CAST   /* ray caster, needs neither OpenGL nor an order */
 } cellist_renderer;
 
