@@ -25,7 +25,7 @@ pkg_config() {
   PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name "cellist-$1.pc")")
   # shellcheck disable=SC2046
   cc -std=c17 -DUSE_"${1^^}" "$source/tests/consumer/consumer.c" -o "$scratch/consumer" \
-    $(pkg-config --define-variable=prefix="$prefix" --static --cflags --libs "cellist-$1")
+    $(pkg-config --static --cflags --libs "cellist-$1")
   "$scratch/consumer"
 }
 
@@ -41,7 +41,7 @@ case $case in
     export PKG_CONFIG_PATH
     # shellcheck disable=SC2046
     cc -std=c17 -Wall -Wextra -Werror "$scratch/example.c" -o "$scratch/example" \
-      $(pkg-config --define-variable=prefix="$prefix" --static --cflags --libs cellist-cellist)
+      $(pkg-config --static --cflags --libs cellist-cellist)
     (cd "$scratch" && ./example && [ -s gears.png ])
     ;;
   add_subdirectory)

@@ -51,6 +51,8 @@ function(cellist_add_library name)
   list(JOIN arg_REQUIRES " " PC_REQUIRES_PRIVATE)
   list(JOIN arg_LIBS " " PC_LIBS_PRIVATE)
   set(PC_NAME ${name})
+  # Relative, so that an installation may be moved, or made elsewhere than it was configured for.
+  file(RELATIVE_PATH PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
   configure_file(${PROJECT_SOURCE_DIR}/tools/cmake/cellist.pc.in ${PROJECT_BINARY_DIR}/cellist-${name}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/cellist-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
   set_property(GLOBAL APPEND PROPERTY CELLIST_INSTALLED_MODULES ${name})
