@@ -26,12 +26,14 @@ int command_generate(int argc, char **argv) {
   bool list = false, json = false;
   double size = 0, perturb = 0;
   unsigned long long seed = 1;
+  unsigned parts = 0;
   const option_spec table[] = {
       {"o", "MESH.vtu", "where to, .vtu or .vtk", OPTION_TEXT, &output},
       {"list", "", "print the names and what each is good for", OPTION_FLAG, &list},
       {"size", "N", "about N cells (each sample has its own default)", OPTION_NUMBER, &size},
       {"seed", "N", "for samples with chance in them (1)", OPTION_SEED, &seed},
       {"perturb", "P", "grid: move inner points by up to P of a cell, 0..0.5 (0)", OPTION_NUMBER, &perturb},
+      {"parts", "N", "how many teeth, fins, steps, plates ... (as --list says)", OPTION_COUNT, &parts},
       {"json", "", "print what was made as one JSON object", OPTION_FLAG, &json},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
@@ -50,7 +52,7 @@ int command_generate(int argc, char **argv) {
 
   cellist_context *context = terminal_context(0);
   if (context == NULL) return 1;
-  const cellist_generate_desc desc = {.size = (size_t)size, .seed = seed, .perturb = perturb};
+  const cellist_generate_desc desc = {.size = (size_t)size, .seed = seed, .perturb = perturb, .parts = parts};
   cellist_mesh *mesh = NULL;
   cellist_result result = cellist_generate(context, argv[1], &desc, &mesh);
   if (result == CELLIST_SUCCESS) result = cellist_mesh_write(context, mesh, output, NULL);

@@ -172,6 +172,8 @@ case_generate_is_deterministic() {
   done
   expect 0 generate ball -o a.vtu --size 20000 --seed 5 --json
   json "abs(j['tets'] - 20000) <= 2000"
+  expect 0 generate plates -o a.vtu --parts 7 && expect 0 info a.vtu --json
+  json "j['components'] == 7"
   expect 0 generate grid -o a.vtu --size 50000 --json
   json "abs(j['tets'] - 50000) <= 5000"
 }
