@@ -62,8 +62,9 @@ int command_generate(int argc, char **argv) {
   } else {
     const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
     if (json)
-      status = terminal_print_json(json_pack("{s:s, s:s, s:I, s:I}", "name", argv[1], "file", output, "points",
-                                             (json_int_t)arrays->point_count, "tets", (json_int_t)arrays->tet_count));
+      status = terminal_print_json(json_pack("{s:s, s:o, s:I, s:I}", "name", argv[1], "file", terminal_text(output),
+                                             "points", (json_int_t)arrays->point_count, "tets",
+                                             (json_int_t)arrays->tet_count));
     else
       fprintf(stderr, "wrote %s: %zu tets, %zu points\n", output, arrays->tet_count, arrays->point_count);
   }

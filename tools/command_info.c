@@ -53,9 +53,9 @@ static json_t *scalars_of(const cellist_mesh_arrays *arrays) {
     const cellist_field *field = &arrays->fields[i];
     const struct range range = range_of(field, value_count(arrays, field));
     json_array_append_new(
-        scalars, json_pack("{s:s, s:s, s:i, s:f, s:f, s:I}", "name", field->name, "on", place_of(field), "components",
-                           (int)field->component_count, "min", range.minimum, "max", range.maximum, "not_finite",
-                           (json_int_t)range.bad_count));
+        scalars, json_pack("{s:o, s:s, s:i, s:f, s:f, s:I}", "name", terminal_text(field->name), "on", place_of(field),
+                           "components", (int)field->component_count, "min", range.minimum, "max", range.maximum,
+                           "not_finite", (json_int_t)range.bad_count));
   }
   return scalars;
 }

@@ -129,7 +129,7 @@ static int report_json(const struct render_options *options, const cellist_pipel
   json_object_set_new(object, "context", json_string(stats->backend));
   json_object_set_new(object, "cells",
                       json_integer((json_int_t)cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->tet_count));
-  json_object_set_new(object, "scalar", json_string(cellist_pipeline_scalar(pipeline)->name));
+  json_object_set_new(object, "scalar", terminal_text(cellist_pipeline_scalar(pipeline)->name));
   json_object_set_new(object, "unit_distance", terminal_number(stats->unit_distance));
   return terminal_print_json(object);
 }

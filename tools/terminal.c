@@ -74,6 +74,17 @@ int terminal_finish(void) {
   return 1;
 }
 
+json_t *terminal_text(const char *text) {
+  json_t *string = json_string(text);
+  if (string != NULL) return string;
+  char ascii[512];
+  size_t length = 0;
+  for (; text[length] != '\0' && length < sizeof ascii - 1; length++)
+    ascii[length] = (unsigned char)text[length] < 0x80 ? text[length] : '?';
+  ascii[length] = '\0';
+  return json_string(ascii);
+}
+
 json_t *terminal_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
 int terminal_print_json(json_t *object) {

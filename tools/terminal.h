@@ -20,6 +20,9 @@ void terminal_clear_progress(void);
 /* Prints the object on standard output, one line, and frees it; exit status 0, or 1 if that fails. */
 int terminal_print_json(json_t *object);
 
+/* JSON is UTF-8: in other texts each byte beyond ASCII becomes a question mark. */
+json_t *terminal_text(const char *text);
+
 /* JSON has no infinity and no NaN: they become null. */
 json_t *terminal_number(double value);
 

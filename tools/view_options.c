@@ -9,7 +9,7 @@
 static const double DEFAULT_AZIMUTH = 30.96, DEFAULT_ELEVATION = 34.45;
 
 void view_options_init(view_options *options, option_spec table[VIEW_OPTION_COUNT]) {
-  *options = (view_options){.fovy = 30};
+  *options = (view_options){.fovy = 30, .parallel = NAN};
   options->eye.expected = options->target.expected = options->up.expected = 3;
   options->orbit.expected = 2;
   const option_spec filled[VIEW_OPTION_COUNT] = {
@@ -29,7 +29,7 @@ void view_options_init(view_options *options, option_spec table[VIEW_OPTION_COUN
 
 const char *view_options_resolve(const view_options *options, const double bounds[6], cellist_view *view) {
   if (options->eye.count > 0 && options->orbit.count > 0) return "--eye and --orbit exclude each other";
-  if (options->parallel < 0) return "--parallel needs a height above 0";
+  if (options->parallel <= 0) return "--parallel needs a height above 0";
   if (!(options->fovy > 0 && options->fovy < 180)) return "--fovy must lie between 0 and 180 degrees";
   if (options->near_distance < 0) return "--near must be at least 0";
   const bool has_orbit = options->orbit.count > 0;
@@ -43,7 +43,7 @@ const char *view_options_resolve(const view_options *options, const double bound
   if (options->target.count > 0) memcpy(view->target, options->target.value, sizeof view->target);
   if (options->up.count > 0) memcpy(view->up, options->up.value, sizeof view->up);
   view->fovy_degrees = options->fovy;
-  view->parallel_height = options->parallel;
+  view->parallel_height = isnan(options->parallel) ? 0 : options->parallel;
   view->near_distance = options->near_distance;
   return NULL;
 }

@@ -9,7 +9,8 @@
 
 typedef struct view_options {
   number_list eye, target, up, orbit;
-  double fovy, parallel, near_distance;
+  double fovy, near_distance;
+  double parallel; /* NaN: perspective */
 } view_options;
 
 enum { VIEW_OPTION_COUNT = 8 };

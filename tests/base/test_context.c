@@ -88,6 +88,16 @@ TEST(loops_visit_every_index_once_on_any_number_of_workers)
   }
 }
 
+TEST(any_number_of_workers_is_taken_and_bounded)
+{
+  static struct tally tally;
+  tally.context = harness_context(4000000000u);
+  assert_true(cellist_context_worker_count(tally.context) >= 1 && cellist_context_worker_count(tally.context) <= 256);
+  cellist_parallel_for(tally.context, COUNT, GRAIN, visit, &tally);
+  for (size_t i = 0; i < COUNT; i++) assert_int_equal(tally.visits[i], 1);
+  harness_context_destroy(tally.context);
+}
+
 static void nest(void *user, size_t begin, size_t end, unsigned worker) {
   struct tally *tally = user;
   (void)worker, (void)begin, (void)end;

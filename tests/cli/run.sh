@@ -49,6 +49,7 @@ case_usage_is_wrong_exit_2() {
   expect 2 render sample:grid -o a.png --eye 1,2,3 --orbit 1,2
   expect 2 render sample:grid -o a.png --fovy 180
   expect 2 render sample:grid -o a.png --unit diagonal/0
+  expect 2 render sample:grid -o a.png --parallel 0
   expect 2 render sample:grid -o a.png --size
   says "--size needs an argument"
   expect 2 generate gears

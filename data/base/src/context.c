@@ -10,6 +10,8 @@
 
 /* Cache line and the widest vector register that any kernel loads: smaller breaks aligned vector loads. */
 enum { BLOCK_ALIGNMENT = 64 };
+/* No machine that this runs on has more processors; thousands of threads would starve it of processes. */
+enum { WORKER_LIMIT = 256 };
 
 const char *cellist_result_string(cellist_result result) {
   switch (result) {
@@ -56,6 +58,7 @@ cellist_result cellist_context_create(const cellist_context_desc *desc, cellist_
     return CELLIST_ERROR_INVALID_ARGUMENT;
   if (resolved.allocator.allocate == NULL) resolved.allocator = defaults.allocator;
   if (resolved.worker_count == 0) resolved.worker_count = defaults.worker_count;
+  if (resolved.worker_count > WORKER_LIMIT) resolved.worker_count = WORKER_LIMIT;
 
   cellist_context *created = resolved.allocator.allocate(resolved.allocator.user, sizeof *created);
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;

@@ -67,7 +67,8 @@ typedef struct cellist_context_desc {
   void *log_user;
   cellist_progress_function progress;
   void *progress_user;
-  unsigned worker_count; /* threads that a call may use, the caller's included; 0: one per processor */
+  unsigned worker_count; /* threads that a call may use, the caller's included; 0: one per processor; more than
+                            256 count as 256 */
 } cellist_context_desc;
 
 typedef struct cellist_context cellist_context;
