@@ -94,6 +94,8 @@ static void warn_of_flaws(cellist_pipeline *pipeline, const char *source) {
                {facts->folded_face_count, "faces have both cells on one side: no picture is right there"},
                {facts->overfull_face_count, "faces have more than two cells: no picture is right there"},
                {pipeline->scalar.nan_cell_count, "cells have no finite scalar and are not drawn"}};
+  if (cellist_mesh_get_arrays(pipeline->mesh)->tet_count == 0)
+    cellist_log(pipeline->context, CELLIST_LOG_WARNING, "%s: there are no cells with a volume to draw", source);
   for (size_t i = 0; i < sizeof flaws / sizeof flaws[0]; i++)
     if (flaws[i].count > 0)
       cellist_log(pipeline->context, CELLIST_LOG_WARNING, "%s: %zu %s", source, flaws[i].count, flaws[i].what);

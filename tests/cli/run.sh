@@ -144,6 +144,22 @@ case_contexts_and_renderers_agree() {
   done
 }
 
+case_a_mesh_without_cells_gives_an_empty_picture_and_a_word() {
+  cat >surface.vtu <<'END'
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian"><UnstructuredGrid>
+<Piece NumberOfPoints="3" NumberOfCells="1"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">
+0 0 0 1 0 0 0 1 0</DataArray></Points><Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">3</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">5</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>
+END
+  for renderer in soft cast; do
+    expect 0 render surface.vtu -o a.exr --renderer $renderer --size 16x16
+    says "no cells" && one_line
+    expect 0 compare a.exr a.exr --json
+    json "j['covered_pixels'] == 0"
+  done
+}
+
 case_models_and_light() {
   for model in "--model absorption" "--model emission" "--model mip" "--iso 0.3,0.6" "--light headlight" \
     "--iso 0.5 --light 1,2,3" "--tets 16"; do
