@@ -22,22 +22,6 @@ void gl_intervals_release(cellist_context *context, gl_intervals *intervals) {
   *intervals = (gl_intervals){0};
 }
 
-static cellist_result check(cellist_context *context, const cellist_transfer *transfer) {
-  if (transfer == NULL || transfer->knot_count == 0 || transfer->knots == NULL)
-    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the transfer function has no knots");
-  for (size_t i = 0; i < transfer->knot_count; i++) {
-    const cellist_transfer_knot *knot = &transfer->knots[i];
-    if (!isfinite(knot->value) || !isfinite(knot->extinction) || !isfinite(knot->colour[0]) ||
-        !isfinite(knot->colour[1]) || !isfinite(knot->colour[2]) || knot->extinction < 0)
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
-                          "knot %zu of the transfer function is not finite, or its extinction is negative", i);
-    if (i > 0 && knot->value < transfer->knots[i - 1].value)
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
-                          "knot %zu of the transfer function comes before the one in front of it", i);
-  }
-  return CELLIST_SUCCESS;
-}
-
 static float scaled(gl_scale scale, double value) {
   return (float)fmax(fmin((value - scale.offset) * scale.factor, FAR_VALUE), -FAR_VALUE);
 }
@@ -92,7 +76,7 @@ static cellist_result write_isosurfaces(cellist_context *context, const cellist_
 
 cellist_result gl_intervals_make(cellist_context *context, const cellist_transfer *transfer,
                                  const cellist_optics *optics, gl_scale scale, gl_intervals *intervals) {
-  cellist_result result = check(context, transfer);
+  cellist_result result = cellist_transfer_check(context, transfer);
   if (result != CELLIST_SUCCESS) return result;
   const bool surfaces = optics->model == CELLIST_MODEL_ISOSURFACES;
   if (surfaces && optics->iso_count > 0 && optics->isos == NULL)

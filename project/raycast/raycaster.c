@@ -40,23 +40,6 @@ void cellist_raycaster_destroy(cellist_raycaster *caster) {
   cellist_deallocate(caster->context, caster);
 }
 
-static cellist_result check_transfer(cellist_context *context, const cellist_transfer *transfer) {
-  if (transfer == NULL || transfer->knot_count == 0 || transfer->knots == NULL)
-    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a transfer function needs a knot");
-  for (size_t i = 0; i < transfer->knot_count; i++) {
-    const cellist_transfer_knot *knot = &transfer->knots[i];
-    bool finite = isfinite(knot->value) && isfinite(knot->extinction) && knot->extinction >= 0;
-    for (int k = 0; k < 3; k++) finite = finite && isfinite(knot->colour[k]);
-    if (!finite)
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
-                          "knot %zu of the transfer function is not finite, or its extinction negative", i);
-    if (i > 0 && knot->value < transfer->knots[i - 1].value)
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "knot %zu of the transfer function is out of order",
-                          i);
-  }
-  return CELLIST_SUCCESS;
-}
-
 static cellist_result check_light(cellist_context *context, const cellist_light *light) {
   bool finite = true;
   for (int k = 0; k < 3; k++) finite = finite && isfinite(light->direction[k]);
@@ -104,7 +87,7 @@ cellist_result cellist_raycaster_render(cellist_raycaster *caster, const cellist
                         cellist_image_width(output->image), cellist_image_height(output->image), frame->width,
                         frame->height);
   const cellist_raycast_desc chosen = desc != NULL ? *desc : (cellist_raycast_desc){0};
-  cellist_result result = check_transfer(context, transfer);
+  cellist_result result = cellist_transfer_check(context, transfer);
   if (result == CELLIST_SUCCESS) result = check_optics(context, &chosen.optics);
   if (result != CELLIST_SUCCESS) return result;
   cellist_raycast_stats found = {0};

@@ -119,23 +119,6 @@ void cellist_soft_destroy(cellist_soft *soft) {
   cellist_deallocate(context, soft);
 }
 
-static cellist_result check_transfer(cellist_context *context, const cellist_transfer *transfer) {
-  if (transfer == NULL || transfer->knot_count == 0 || transfer->knots == NULL)
-    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a transfer function needs a knot");
-  for (size_t i = 0; i < transfer->knot_count; i++) {
-    const cellist_transfer_knot *knot = &transfer->knots[i];
-    bool finite = isfinite(knot->value) && isfinite(knot->extinction) && knot->extinction >= 0;
-    for (int k = 0; k < 3; k++) finite = finite && isfinite(knot->colour[k]);
-    if (!finite)
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
-                          "knot %zu of the transfer function is not finite, or its extinction negative", i);
-    if (i > 0 && knot->value < transfer->knots[i - 1].value)
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "knot %zu of the transfer function is out of order",
-                          i);
-  }
-  return CELLIST_SUCCESS;
-}
-
 static cellist_result check_settings(cellist_context *context, const cellist_soft_settings *settings) {
   if ((settings->order == NULL && settings->order_count > 0) || settings->order_count > UINT32_MAX ||
       (settings->groups == NULL && settings->group_count > 0))
@@ -252,7 +235,7 @@ cellist_result cellist_soft_render(cellist_soft *soft, const cellist_frame *fram
   cellist_context *context = soft->context;
   if (settings == NULL) return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a picture needs settings");
   cellist_result result = check_frame(context, frame, image);
-  if (result == CELLIST_SUCCESS) result = check_transfer(context, transfer);
+  if (result == CELLIST_SUCCESS) result = cellist_transfer_check(context, transfer);
   if (result == CELLIST_SUCCESS) result = check_settings(context, settings);
   if (result != CELLIST_SUCCESS) return result;
   fast_transfer table;

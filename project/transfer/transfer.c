@@ -244,6 +244,24 @@ cellist_result cellist_transfer_load(cellist_context *context, const cellist_tra
   return result;
 }
 
+cellist_result cellist_transfer_check(cellist_context *context, const cellist_transfer *transfer) {
+  if (transfer == NULL || transfer->knot_count == 0 || transfer->knots == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                        "the transfer function has no knots; it needs a knot at least");
+  for (size_t i = 0; i < transfer->knot_count; i++) {
+    const cellist_transfer_knot *knot = &transfer->knots[i];
+    bool finite = isfinite(knot->value) && isfinite(knot->extinction) && knot->extinction >= 0;
+    for (int k = 0; k < 3; k++) finite = finite && isfinite(knot->colour[k]);
+    if (!finite)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "knot %zu of the transfer function is not finite, or its extinction negative", i);
+    if (i > 0 && knot->value < transfer->knots[i - 1].value)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "knot %zu of the transfer function is out of order",
+                          i);
+  }
+  return CELLIST_SUCCESS;
+}
+
 void cellist_transfer_release(cellist_context *context, cellist_transfer *transfer) {
   cellist_deallocate(context, transfer->knots);
   *transfer = (cellist_transfer){0};

@@ -52,6 +52,10 @@ typedef struct cellist_transfer_desc {
 CELLIST_API cellist_result cellist_transfer_load(cellist_context *context, const cellist_transfer_desc *desc,
                                                  cellist_transfer *transfer);
 
+/* Checks what a caller made himself: at least one knot, ascending values, all finite, no negative extinction.
+ * Errors: INVALID_ARGUMENT (the message names the knot). Threads: one call per context at a time. Cost: linear. */
+CELLIST_API cellist_result cellist_transfer_check(cellist_context *context, const cellist_transfer *transfer);
+
 /* Frees the knots; a zeroed transfer function is legal. */
 CELLIST_API void cellist_transfer_release(cellist_context *context, cellist_transfer *transfer);
 
