@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Pipeline: one object from mesh to picture. */
+#include <cellist/compare.h>
 #include <cellist/pipeline.h>
 #include <math.h>
 #include <string.h>
@@ -28,6 +29,32 @@ TEST(failed_allocations_leak_nothing)
   check_allocation_failures(draw_and_release, &desc);
   desc.precision = CELLIST_PRECISION_REFERENCE;
   check_allocation_failures(draw_and_release, &desc);
+  desc.renderer = CELLIST_RENDERER_SOFT;
+  check_allocation_failures(draw_and_release, &desc);
+}
+
+TEST(every_renderer_draws_the_same_picture)
+{
+  cellist_context *context = harness_context(2);
+  cellist_pipeline_desc desc = {.source = "sample:gears",
+                                .optics = {.unit_diagonal_fraction = 50},
+                                .renderer = CELLIST_RENDERER_CAST,
+                                .precision = CELLIST_PRECISION_REFERENCE};
+  cellist_image *reference = NULL;
+  assert_success(context, draw(context, &desc, &reference, NULL));
+  static const cellist_renderer renderers[] = {CELLIST_RENDERER_SOFT, CELLIST_RENDERER_FACES, CELLIST_RENDERER_AUTO};
+  desc.precision = CELLIST_PRECISION_FAST;
+  for (size_t i = 0; i < sizeof renderers / sizeof renderers[0]; i++) {
+    cellist_image *image = NULL;
+    cellist_image_error error;
+    desc.renderer = renderers[i];
+    assert_success(context, draw(context, &desc, &image, NULL));
+    assert_success(context, cellist_image_compare(context, image, reference, &error, NULL));
+    assert_true(error.covered_pixels > 50 && error.rmse < 1e-5);
+    cellist_image_destroy(image);
+  }
+  cellist_image_destroy(reference);
+  harness_context_destroy(context);
 }
 
 TEST(a_picture_says_how_it_was_made)
