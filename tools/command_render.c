@@ -25,17 +25,6 @@ struct tally {
   size_t count;
 };
 
-static int compare_doubles(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(double *values, size_t count) {
-  if (count == 0) return 0;
-  qsort(values, count, sizeof *values, compare_doubles);
-  return 0.5 * (values[count / 2] + values[(count - 1) / 2]);
-}
-
 static bool has_ending(const char *name, const char *ending) {
   const size_t length = strlen(name), tail = strlen(ending);
   return length >= tail && strcmp(name + length - tail, ending) == 0;
@@ -238,7 +227,7 @@ int command_render(int argc, char **argv) {
     status = terminal_failure(context, result);
   } else {
     const double total = terminal_seconds() - begin;
-    const double sort = median(tally.sort, tally.count), draw = median(tally.draw, tally.count);
+    const double sort = terminal_median(tally.sort, tally.count), draw = terminal_median(tally.draw, tally.count);
     status = options.json ? report_json(&options, pipeline, &stats, sort, draw, total)
                           : report_text(&options, argv[1], pipeline, &stats, sort, draw, total);
   }

@@ -49,16 +49,7 @@ struct run {
   uint8_t *seen; /* [tet_count] */
 };
 
-static int compare_doubles(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(struct score *score) {
-  if (score->count == 0) return 0;
-  qsort(score->seconds, score->count, sizeof *score->seconds, compare_doubles);
-  return 0.5 * (score->seconds[score->count / 2] + score->seconds[(score->count - 1) / 2]);
-}
+static double median(struct score *score) { return terminal_median(score->seconds, score->count); }
 
 /* View i of n: directions on a golden spiral, at the distance that --orbit has. */
 static cellist_view spread_view(const double bounds[6], unsigned i, unsigned n) {

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -19,6 +20,17 @@ double terminal_seconds(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int compare_doubles(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+double terminal_median(double *values, size_t count) {
+  if (count == 0) return 0;
+  qsort(values, count, sizeof *values, compare_doubles);
+  return 0.5 * (values[count / 2] + values[(count - 1) / 2]);
 }
 
 void terminal_clear_progress(void) {

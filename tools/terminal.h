@@ -29,6 +29,9 @@ json_t *terminal_number(double value);
 /* Ends standard output; exit status 1 and a message if anything written there was lost. */
 int terminal_finish(void);
 
+/* The median of count values, which it sorts; 0 of none. */
+double terminal_median(double *values, size_t count);
+
 /* Monotonic seconds. */
 double terminal_seconds(void);
 

@@ -36,22 +36,7 @@ static void make_scene(cast_scene *scene, unsigned workers, uint32_t n, double s
 
 static cast_picture draw_fast(const cast_scene *scene, cellist_raycaster *caster, const cellist_view *view,
                               const cellist_optics *optics) {
-  const size_t count = (size_t)SIZE * SIZE;
-  cast_picture picture = {0};
-  assert_success(scene->context, cellist_frame_from_view(scene->context, view, SIZE, SIZE, &picture.frame));
-  picture.rgba = malloc(4 * count * sizeof(double));
-  picture.transmittance = malloc(count * sizeof(double));
-  picture.z = malloc(count * sizeof(double));
-  picture.z_back = malloc(count * sizeof(double));
-  picture.cells = malloc(count * sizeof(uint32_t));
-  picture.segments = malloc(count * sizeof(uint32_t));
-  const cellist_raycast_output output = {picture.rgba,  picture.transmittance, picture.z, picture.z_back,
-                                         picture.cells, picture.segments,      NULL};
-  cellist_raycast_desc desc = {.precision = CELLIST_PRECISION_FAST};
-  if (optics != NULL) desc.optics = *optics;
-  assert_success(scene->context,
-                 cellist_raycaster_render(caster, &picture.frame, &TRANSFER, &desc, &output, &picture.stats));
-  return picture;
+  return scene_draw_with(scene, caster, CELLIST_PRECISION_FAST, view, SIZE, SIZE, &TRANSFER, optics);
 }
 
 /* Colour and opacity: rmse below tolerance. A single pixel may be further off, where its ray passes a face that it sees

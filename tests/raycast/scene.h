@@ -44,8 +44,10 @@ typedef struct cast_picture {
   cellist_raycast_stats stats;
 } cast_picture;
 
-static inline cast_picture scene_draw(const cast_scene *scene, const cellist_view *view, uint32_t width,
-                                      uint32_t height, const cellist_transfer *transfer, const cellist_optics *optics) {
+static inline cast_picture scene_draw_with(const cast_scene *scene, cellist_raycaster *caster,
+                                           cellist_precision precision, const cellist_view *view, uint32_t width,
+                                           uint32_t height, const cellist_transfer *transfer,
+                                           const cellist_optics *optics) {
   cast_picture picture = {0};
   const size_t count = (size_t)width * height;
   assert_success(scene->context, cellist_frame_from_view(scene->context, view, width, height, &picture.frame));
@@ -57,11 +59,16 @@ static inline cast_picture scene_draw(const cast_scene *scene, const cellist_vie
   picture.segments = malloc(count * sizeof(uint32_t));
   const cellist_raycast_output output = {picture.rgba,  picture.transmittance, picture.z, picture.z_back,
                                          picture.cells, picture.segments,      NULL};
-  cellist_raycast_desc desc = {.precision = CELLIST_PRECISION_REFERENCE};
+  cellist_raycast_desc desc = {.precision = precision};
   if (optics != NULL) desc.optics = *optics;
   assert_success(scene->context,
-                 cellist_raycaster_render(scene->caster, &picture.frame, transfer, &desc, &output, &picture.stats));
+                 cellist_raycaster_render(caster, &picture.frame, transfer, &desc, &output, &picture.stats));
   return picture;
+}
+
+static inline cast_picture scene_draw(const cast_scene *scene, const cellist_view *view, uint32_t width,
+                                      uint32_t height, const cellist_transfer *transfer, const cellist_optics *optics) {
+  return scene_draw_with(scene, scene->caster, CELLIST_PRECISION_REFERENCE, view, width, height, transfer, optics);
 }
 
 static inline void picture_release(cast_picture *picture) {

@@ -63,3 +63,13 @@ endfunction()
 function(cellist_static_dependencies)
   set_property(GLOBAL APPEND PROPERTY CELLIST_STATIC_DEPENDENCIES ${ARGN})
 endfunction()
+
+# cellist_add_avx2_kernel(TARGET SOURCE DEFINITION): a file of vector kernels, compiled for AVX2 and chosen at run time;
+# DEFINITION tells the target's other sources that it is there. Nothing on other processors.
+function(cellist_add_avx2_kernel target source definition)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+    target_sources(${target} PRIVATE ${source})
+    set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma")
+    target_compile_definitions(${target} PRIVATE ${definition})
+  endif()
+endfunction()
