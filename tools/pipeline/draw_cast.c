@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Cast: pictures by the ray caster, which needs neither an order nor OpenGL. */
+#include "pipeline.h"
+
+cellist_result pipeline_make_cast(cellist_pipeline *pipeline) {
+  const cellist_raycaster_desc desc = {.tets = pipeline->desc.tets};
+  return cellist_raycaster_create(pipeline->context, pipeline->mesh, &pipeline->scalar, &desc, &pipeline->caster);
+}
+
+cellist_result pipeline_draw_cast(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
+                                  cellist_pipeline_stats *stats) {
+  cellist_raycast_desc desc = {.precision = pipeline->desc.precision, .optics = pipeline->desc.optics.model};
+  const cellist_raycast_output output = {.image = image};
+  cellist_raycast_stats cast;
+  const double begin = pipeline_seconds();
+  cellist_result result = cellist_raycaster_render(pipeline->caster, frame, &pipeline->transfer, &desc, &output, &cast);
+  if (result == CELLIST_ERROR_UNSUPPORTED && desc.precision == CELLIST_PRECISION_FAST) {
+    cellist_context_take_error(pipeline->context);
+    desc.precision = CELLIST_PRECISION_REFERENCE; /* draws everything */
+    result = cellist_raycaster_render(pipeline->caster, frame, &pipeline->transfer, &desc, &output, &cast);
+  }
+  if (result != CELLIST_SUCCESS) return result;
+  stats->draw_seconds = pipeline_seconds() - begin;
+  stats->renderer = "cast";
+  stats->method = "exact";
+  stats->precision = desc.precision == CELLIST_PRECISION_FAST ? "fast" : "reference";
+  stats->error_bound = cast.error_bound;
+  stats->backend = "none";
+  stats->order = "none";
+  stats->fragments = cast.step_count;
+  stats->left_out[0] = "exterior";
+  stats->left_out[1] = "sort";
+  stats->left_out[2] = "tables";
+  if (cast.fold_ray_count > 0)
+    cellist_log(pipeline->context, CELLIST_LOG_WARNING,
+                "cells overlap along %llu rays: the mesh is flawed there, and the picture arbitrary",
+                (unsigned long long)cast.fold_ray_count);
+  return CELLIST_SUCCESS;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * GL: pictures by OpenGL, where it was built in. */
+#include "pipeline.h"
+
+#ifdef CELLIST_HAS_GL
+
+cellist_result pipeline_make_gl(cellist_pipeline *pipeline) {
+  static const cellist_gl_backend backends[] = {[CELLIST_BACKEND_AUTO] = CELLIST_GL_AUTO,
+                                                [CELLIST_BACKEND_OSMESA] = CELLIST_GL_OSMESA,
+                                                [CELLIST_BACKEND_EGL] = CELLIST_GL_EGL};
+  const cellist_gl_desc desc = {.backend = backends[pipeline->desc.backend]};
+  cellist_result result = pipeline_make_sorter(pipeline);
+  if (result == CELLIST_SUCCESS) result = cellist_gl_create(pipeline->context, &desc, &pipeline->gl);
+  if (result == CELLIST_SUCCESS) result = cellist_gl_upload(pipeline->gl, pipeline->mesh, &pipeline->scalar);
+  return result;
+}
+
+cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
+                                cellist_pipeline_stats *stats) {
+  cellist_result result = pipeline_sort(pipeline, frame, stats);
+  if (result != CELLIST_SUCCESS) return result;
+  /* Inside a group no order of whole cells is right, and they are drawn in one. */
+  if (stats->group_count > 0) stats->order = "approximate";
+  const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model};
+  cellist_gl_stats drawn;
+  const double begin = pipeline_seconds();
+  result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order,
+                             cellist_mesh_get_arrays(pipeline->mesh)->tet_count, &settings, image, &drawn);
+  if (result != CELLIST_SUCCESS) return result;
+  stats->draw_seconds = pipeline_seconds() - begin;
+  stats->renderer = "faces";
+  stats->method = "exact";
+  stats->precision = "fast";
+  stats->backend = cellist_gl_backend_name(pipeline->gl);
+  stats->fragments = drawn.fragment_count;
+  stats->left_out[0] = "exterior";
+  stats->left_out[1] = "tables";
+  return CELLIST_SUCCESS;
+}
+
+#else
+
+cellist_result pipeline_make_gl(cellist_pipeline *pipeline) {
+  return cellist_fail(pipeline->context, CELLIST_ERROR_UNSUPPORTED,
+                      "this build has no OpenGL; the renderers 'cast' and 'soft' need none");
+}
+
+/* Never called: no such renderer was made. */
+cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
+                                cellist_pipeline_stats *stats) {
+  (void)frame, (void)image, (void)stats;
+  return pipeline_make_gl(pipeline);
+}
+
+#endif

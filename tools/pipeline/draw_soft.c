@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Soft: pictures by the projector that needs no OpenGL. */
+#include "pipeline.h"
+
+cellist_result pipeline_make_soft(cellist_pipeline *pipeline) {
+  const cellist_result result = pipeline_make_sorter(pipeline);
+  if (result != CELLIST_SUCCESS) return result;
+  return cellist_soft_create(pipeline->context, pipeline->mesh, &pipeline->scalar, NULL, &pipeline->soft);
+}
+
+cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
+                                  cellist_pipeline_stats *stats) {
+  cellist_result result = pipeline_sort(pipeline, frame, stats);
+  if (result != CELLIST_SUCCESS) return result;
+  const cellist_group *sorted = NULL;
+  size_t group_count = 0;
+  cellist_sorter_groups(pipeline->sorter, &sorted, &group_count);
+  cellist_soft_group *groups = cellist_allocate(pipeline->context, group_count, sizeof *groups);
+  if (groups == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (size_t i = 0; i < group_count; i++) groups[i] = (cellist_soft_group){sorted[i].begin, sorted[i].count};
+  const cellist_soft_settings settings = {.optics = pipeline->desc.optics.model,
+                                          .order = pipeline->order,
+                                          .order_count = cellist_mesh_get_arrays(pipeline->mesh)->tet_count,
+                                          .groups = groups,
+                                          .group_count = group_count};
+  cellist_soft_stats drawn;
+  const double begin = pipeline_seconds();
+  result = cellist_soft_render(pipeline->soft, frame, &pipeline->transfer, &settings, image, &drawn);
+  cellist_deallocate(pipeline->context, groups);
+  if (result != CELLIST_SUCCESS) return result;
+  stats->draw_seconds = pipeline_seconds() - begin;
+  stats->renderer = "soft";
+  stats->method = "exact";
+  stats->precision = "fast";
+  stats->backend = "none";
+  stats->fragments = drawn.fragment_count;
+  stats->left_out[0] = "exterior";
+  stats->left_out[1] = "tables";
+  return CELLIST_SUCCESS;
+}
