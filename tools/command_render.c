@@ -96,7 +96,8 @@ static cellist_result draw_all(cellist_context *context, const struct render_opt
 static int report_json(const struct render_options *options, const cellist_pipeline *pipeline,
                        const cellist_pipeline_stats *stats, double sort, double draw, double total) {
   json_t *left_out = json_array();
-  for (size_t i = 0; stats->left_out[i] != NULL; i++) json_array_append_new(left_out, json_string(stats->left_out[i]));
+  for (size_t i = 0; i < stats->left_out_count; i++)
+    json_array_append_new(left_out, json_string(stats->left_out[i].what));
   json_t *seconds = json_pack("{s:f, s:f, s:f, s:f, s:f}", "load", stats->load_seconds, "convexify",
                               stats->convexify_seconds, "sort", sort, "draw", draw, "total", total);
   json_t *object = json_object();

@@ -4,7 +4,7 @@
 
 cellist_result pipeline_make_cast(cellist_pipeline *pipeline) {
   const cellist_raycaster_desc desc = {.tets = pipeline->desc.tets};
-  return cellist_raycaster_create(pipeline->context, pipeline->mesh, &pipeline->scalar, &desc, &pipeline->caster);
+  return cellist_raycaster_create(pipeline->context, pipeline->drawn, pipeline->drawn_scalar, &desc, &pipeline->caster);
 }
 
 cellist_result pipeline_draw_cast(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
@@ -28,9 +28,9 @@ cellist_result pipeline_draw_cast(cellist_pipeline *pipeline, const cellist_fram
   stats->backend = "none";
   stats->order = "none";
   stats->fragments = cast.step_count;
-  stats->left_out[0] = "exterior";
-  stats->left_out[1] = "sort";
-  stats->left_out[2] = "tables";
+  pipeline_leave_out(stats, "exterior", "the ray caster crosses gaps by its own hierarchy");
+  pipeline_leave_out(stats, "sort", "the ray caster needs no order");
+  pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");
   if (cast.fold_ray_count > 0)
     cellist_log(pipeline->context, CELLIST_LOG_WARNING,
                 "cells overlap along %llu rays: the mesh is flawed there, and the picture arbitrary",

@@ -11,7 +11,7 @@ cellist_result pipeline_make_gl(cellist_pipeline *pipeline) {
   const cellist_gl_desc desc = {.backend = backends[pipeline->desc.backend]};
   cellist_result result = pipeline_make_sorter(pipeline);
   if (result == CELLIST_SUCCESS) result = cellist_gl_create(pipeline->context, &desc, &pipeline->gl);
-  if (result == CELLIST_SUCCESS) result = cellist_gl_upload(pipeline->gl, pipeline->mesh, &pipeline->scalar);
+  if (result == CELLIST_SUCCESS) result = cellist_gl_upload(pipeline->gl, pipeline->drawn, pipeline->drawn_scalar);
   return result;
 }
 
@@ -25,7 +25,7 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   cellist_gl_stats drawn;
   const double begin = pipeline_seconds();
   result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order,
-                             cellist_mesh_get_arrays(pipeline->mesh)->tet_count, &settings, image, &drawn);
+                             cellist_mesh_get_arrays(pipeline->drawn)->tet_count, &settings, image, &drawn);
   if (result != CELLIST_SUCCESS) return result;
   stats->draw_seconds = pipeline_seconds() - begin;
   stats->renderer = "faces";
@@ -33,8 +33,8 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   stats->precision = "fast";
   stats->backend = cellist_gl_backend_name(pipeline->gl);
   stats->fragments = drawn.fragment_count;
-  stats->left_out[0] = "exterior";
-  stats->left_out[1] = "tables";
+  pipeline_leave_out(stats, "exterior", "gaps are ordered by the boundary's own faces");
+  pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");
   return CELLIST_SUCCESS;
 }
 

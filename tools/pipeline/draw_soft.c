@@ -5,7 +5,7 @@
 cellist_result pipeline_make_soft(cellist_pipeline *pipeline) {
   const cellist_result result = pipeline_make_sorter(pipeline);
   if (result != CELLIST_SUCCESS) return result;
-  return cellist_soft_create(pipeline->context, pipeline->mesh, &pipeline->scalar, NULL, &pipeline->soft);
+  return cellist_soft_create(pipeline->context, pipeline->drawn, pipeline->drawn_scalar, NULL, &pipeline->soft);
 }
 
 cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
@@ -20,7 +20,7 @@ cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_fram
   for (size_t i = 0; i < group_count; i++) groups[i] = (cellist_soft_group){sorted[i].begin, sorted[i].count};
   const cellist_soft_settings settings = {.optics = pipeline->desc.optics.model,
                                           .order = pipeline->order,
-                                          .order_count = cellist_mesh_get_arrays(pipeline->mesh)->tet_count,
+                                          .order_count = cellist_mesh_get_arrays(pipeline->drawn)->tet_count,
                                           .groups = groups,
                                           .group_count = group_count};
   cellist_soft_stats drawn;
@@ -34,7 +34,7 @@ cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_fram
   stats->precision = "fast";
   stats->backend = "none";
   stats->fragments = drawn.fragment_count;
-  stats->left_out[0] = "exterior";
-  stats->left_out[1] = "tables";
+  pipeline_leave_out(stats, "exterior", "gaps are ordered by the boundary's own faces");
+  pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");
   return CELLIST_SUCCESS;
 }

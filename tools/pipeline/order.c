@@ -5,7 +5,7 @@
 #include "pipeline.h"
 
 cellist_result pipeline_make_sorter(cellist_pipeline *pipeline) {
-  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(pipeline->mesh);
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(pipeline->drawn);
   const cellist_sorter_desc desc = {.point_count = arrays->point_count,
                                     .points = arrays->positions,
                                     .tet_count = arrays->tet_count,

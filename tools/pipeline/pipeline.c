@@ -76,6 +76,8 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (result == CELLIST_SUCCESS) warn_of_flaws(created, desc->source);
   if (result == CELLIST_SUCCESS) result = pipeline_load_transfer(created);
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
+  created->drawn = created->mesh;
+  created->drawn_scalar = &created->scalar;
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
   if (result == CELLIST_SUCCESS)
     *pipeline = created;

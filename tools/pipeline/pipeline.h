@@ -15,6 +15,8 @@ struct cellist_pipeline {
   cellist_context *context;
   cellist_mesh *mesh;
   cellist_scalar scalar;
+  const cellist_mesh *drawn;          /* what renderers get: the mesh, or those of its tets that can show something */
+  const cellist_scalar *drawn_scalar; /* of drawn */
   cellist_transfer transfer;
   cellist_pipeline_desc desc; /* its texts are not kept */
   cellist_renderer renderer;  /* never AUTO */
@@ -35,6 +37,10 @@ double pipeline_seconds(void);
 
 /* The length of the bounds' diagonal. */
 double pipeline_diagonal(const cellist_pipeline *pipeline);
+
+/* plan.c: notes in stats that the picture did without something; the rest is for printf. */
+void pipeline_leave_out(cellist_pipeline_stats *stats, const char *what, const char *why, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* optics.c: the transfer function in mesh units; the model with its defaults filled in. */
 cellist_result pipeline_load_transfer(cellist_pipeline *pipeline);

@@ -53,7 +53,16 @@ typedef struct cellist_pipeline_desc {
   cellist_backend backend;     /* for faces */
   uint32_t tets;               /* for cast: bytes a cell of the compact layouts, as cellist_raycaster_desc */
   cellist_precision precision; /* for cast; fast falls back to reference for models that it does not draw */
+  bool no_plan;                /* do everything, also what this scene does not need: for comparison */
 } cellist_pipeline_desc;
+
+/* A piece of work that a scene did not need, and why. */
+typedef struct cellist_left_out {
+  const char *what; /* "exterior", "sort", "groups", "invisible cells", "light", "tables"; belongs to the library */
+  char why[96];
+} cellist_left_out;
+
+enum { CELLIST_LEFT_OUT_LIMIT = 12 };
 
 /* Seconds and facts of the last picture. Texts belong to the library. */
 typedef struct cellist_pipeline_stats {
@@ -69,7 +78,9 @@ typedef struct cellist_pipeline_stats {
   const char *convention;                  /* of opacity: "unstructured" or "image" */
   size_t transfer_knots;
   double unit_distance;
-  const char *left_out[8]; /* what this scene did not need, ended by NULL */
+  size_t visible_cells; /* tets that can show something, by their scalars' range; all of them without a plan */
+  size_t left_out_count;
+  cellist_left_out left_out[CELLIST_LEFT_OUT_LIMIT]; /* [left_out_count] what this scene did not need */
 } cellist_pipeline_stats;
 
 typedef struct cellist_pipeline cellist_pipeline;
