@@ -37,15 +37,15 @@ enum { BATCH = 16 };
 
 static void fetch_neighbours(const cellist_sorter *sorter, const uint32_t *order, size_t begin, size_t end) {
   for (size_t i = begin; i < end; i++) {
-    __builtin_prefetch(&sorter->mesh.neighbours[4 * (size_t)order[i]]);
+    __builtin_prefetch(&sorter->cells.neighbours[4 * (size_t)order[i]]);
     __builtin_prefetch(&sorter->state[order[i]], 1);
   }
 }
 
 static void fetch_states(const cellist_sorter *sorter, const uint32_t *order, size_t begin, size_t end) {
-  const uint32_t none = (uint32_t)sorter->mesh.tet_count;
+  const uint32_t none = (uint32_t)sorter->cells.count;
   for (size_t i = begin; i < end; i++) {
-    const uint32_t *neighbours = &sorter->mesh.neighbours[4 * (size_t)order[i]];
+    const uint32_t *neighbours = &sorter->cells.neighbours[4 * (size_t)order[i]];
     for (size_t k = 0; k < 4; k++) __builtin_prefetch(&sorter->state[neighbours[k] < none ? neighbours[k] : none], 1);
   }
 }
@@ -53,22 +53,22 @@ static void fetch_states(const cellist_sorter *sorter, const uint32_t *order, si
 /* Cells with nothing behind them, eight states at a time. */
 static size_t find_farthest(const cellist_sorter *sorter, uint32_t *order) {
   const uint8_t *state = sorter->state;
-  const size_t tet_count = sorter->mesh.tet_count;
+  const size_t cell_count = sorter->cells.count;
   size_t count = 0;
-  for (size_t i = 0; i < tet_count; i += 8) {
+  for (size_t i = 0; i < cell_count; i += 8) {
     uint64_t pending = 0; /* bit 4 of each byte: something is behind that cell */
     memcpy(&pending, &state[i], sizeof pending);
     pending = (pending >> 4 | pending >> 5 | pending >> 6) & 0x0101010101010101u;
     if (pending == 0x0101010101010101u) continue;
-    for (size_t j = i; j < i + 8 && j < tet_count; j++)
+    for (size_t j = i; j < i + 8 && j < cell_count; j++)
       if ((state[j] & SORT_PENDING_MASK) == 0) order[count++] = (uint32_t)j;
   }
   return count;
 }
 
 size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
-  const uint32_t *neighbours = sorter->mesh.neighbours;
-  const size_t tet_count = sorter->mesh.tet_count;
+  const uint32_t *neighbours = sorter->cells.neighbours;
+  const size_t cell_count = sorter->cells.count;
   uint8_t *state = sorter->state;
   if (!sorter->convex) add_gap_states(sorter);
   size_t count = find_farthest(sorter, order), out = 0;
@@ -76,7 +76,7 @@ size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
    * less nothing if it is not in front; where there is no neighbour, a spare state is. Each neighbour is written to
    * the queue's end, which moves only past ready ones, so this loop needs room for four cells. */
   size_t fetched_neighbours = 0, fetched_states = 0;
-  while (out < count && count + 4 <= tet_count) {
+  while (out < count && count + 4 <= cell_count) {
     const size_t end = out + BATCH < count ? out + BATCH : count;
     const size_t next_end = end + BATCH < count ? end + BATCH : count;
     const size_t far_end = next_end + BATCH < count ? next_end + BATCH : count;
@@ -84,12 +84,12 @@ size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
     fetch_states(sorter, order, fetched_states, next_end);
     fetched_neighbours = far_end;
     fetched_states = next_end;
-    for (; out < end && count + 4 <= tet_count; out++) {
+    for (; out < end && count + 4 <= cell_count; out++) {
       const uint32_t tet = order[out];
       const uint32_t front = state[tet];
       for (size_t k = 0; k < 4; k++) {
         const uint32_t bit = front >> k & 1;
-        const uint32_t spare = (uint32_t)(tet_count + k);
+        const uint32_t spare = (uint32_t)(cell_count + k);
         const uint32_t other = neighbours[4 * (size_t)tet + k];
         const uint32_t next = other < spare ? other : spare;
         const uint8_t left = (uint8_t)(state[next] - bit * SORT_PENDING);

@@ -61,7 +61,7 @@ static cellist_result prepare(cellist_sorter *sorter) {
   cellist_result result = check_mesh(context, &sorter->mesh);
   if (result == CELLIST_SUCCESS) result = sort_is_convex(context, &sorter->mesh, &sorter->convex);
   if (result == CELLIST_SUCCESS && !sorter->convex) result = sort_gaps_create(context, &sorter->mesh, &sorter->gaps);
-  if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->mesh, &sorter->planes);
+  if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->cells, &sorter->planes);
   if (result != CELLIST_SUCCESS) return result;
   sorter->state = cellist_allocate_zeroed(context, 4 * sorter->planes.group_count + 8, sizeof *sorter->state);
   return sorter->state != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
@@ -76,6 +76,7 @@ cellist_result cellist_sorter_create(cellist_context *context, const cellist_sor
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   created->context = context;
   created->mesh = *desc;
+  created->cells = sort_cells_of_mesh(desc);
   const cellist_result result = prepare(created);
   if (result == CELLIST_SUCCESS)
     *sorter = created;
@@ -111,7 +112,7 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
   cellist_sort_stats found = {.exact = true};
   sorter->group_count = 0;
   found.exact_sign_count =
-      sort_planes_find_states(sorter->context, &sorter->mesh, &sorter->planes, &eye, sorter->state);
+      sort_planes_find_states(sorter->context, &sorter->cells, &sorter->planes, &eye, sorter->state);
   cellist_result result = CELLIST_SUCCESS;
   if (!sorter->convex) {
     result = sort_gaps_find(sorter->context, &sorter->gaps, &eye);

@@ -5,6 +5,7 @@
 
 #include <cellist/sort.h>
 
+#include "cells.h"
 #include "gaps/gaps.h"
 #include "signs/signs.h"
 #include "view.h"
@@ -16,10 +17,11 @@ enum { SORT_PENDING = 16, SORT_PENDING_MASK = 0x70, SORT_HAS_GAP_ARCS = 0x80 };
 struct cellist_sorter {
   cellist_context *context;
   cellist_sorter_desc mesh;
+  sort_cells cells;
   bool convex; /* no gap anywhere: faces alone order the cells, and gaps is empty */
   sort_gaps gaps;
   sort_planes planes;
-  uint8_t *state; /* [tet_count] and some, so that eight can be read at once */
+  uint8_t *state; /* [cells.count] and some, so that eight can be read at once */
   size_t group_count, group_capacity;
   cellist_group *groups;
   uint64_t *group_scratch;

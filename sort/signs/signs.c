@@ -28,7 +28,7 @@ static const double FLATTEST = 1e-8;
 enum { CHUNK = 1024 }; /* groups a range: so many masks stand on the stack */
 
 struct job {
-  const cellist_sorter_desc *mesh;
+  const sort_cells *cells;
   sort_planes *planes;
   const sort_eye *eye;
   int16_t eye_numbers[4];
@@ -47,11 +47,10 @@ static void quantise(const double numbers[4], int16_t out[4]) {
   for (int k = 0; k < 4; k++) out[k] = (int16_t)lrint(numbers[k] / largest * scale);
 }
 
-static void quantise_face(const cellist_sorter_desc *mesh, const sort_planes *planes, const uint32_t *v, uint32_t k,
-                          int16_t out[4]) {
-  const double *a = &mesh->points[3 * (size_t)v[SORT_TET_FACE[k][0]]];
-  const double *b = &mesh->points[3 * (size_t)v[SORT_TET_FACE[k][1]]];
-  const double *c = &mesh->points[3 * (size_t)v[SORT_TET_FACE[k][2]]];
+static void quantise_face(const sort_cells *cells, const sort_planes *planes, size_t cell, uint32_t k, int16_t out[4]) {
+  const double *p[3];
+  sort_cell_face(cells, cell, k, p);
+  const double *a = p[0], *b = p[1], *c = p[2];
   double u[3], w[3], numbers[4] = {0, 0, 0, 0}, u_sum = 0, w_sum = 0, length = 0;
   for (int i = 0; i < 3; i++) {
     u[i] = (b[i] - a[i]) / planes->radius;
@@ -76,27 +75,27 @@ static void quantise_range(void *user, size_t begin, size_t end, unsigned worker
     int16_t *out = &job->planes->planes[64 * group];
     uint32_t inner = 0;
     memset(out, 0, 64 * sizeof *out);
-    for (size_t i = 0; i < 4 && 4 * group + i < job->mesh->tet_count; i++) {
-      const size_t tet = 4 * group + i;
+    for (size_t i = 0; i < 4 && 4 * group + i < job->cells->count; i++) {
+      const size_t cell = 4 * group + i;
       for (uint32_t k = 0; k < 4; k++) {
-        if (job->mesh->neighbours[4 * tet + k] == CELLIST_NONE) continue;
+        if (job->cells->neighbours[4 * cell + k] == CELLIST_NONE) continue;
         inner |= 1u << (4 * i + k);
-        quantise_face(job->mesh, job->planes, &job->mesh->tets[4 * tet], k, &out[16 * i + 4 * k]);
+        quantise_face(job->cells, job->planes, cell, k, &out[16 * i + 4 * k]);
       }
     }
     job->planes->inner[group] = (uint16_t)inner;
   }
 }
 
-cellist_result sort_planes_create(cellist_context *context, const cellist_sorter_desc *mesh, sort_planes *planes) {
-  planes->group_count = (mesh->tet_count + 3) / 4;
+cellist_result sort_planes_create(cellist_context *context, const sort_cells *cells, sort_planes *planes) {
+  planes->group_count = (cells->count + 3) / 4;
   planes->kernel = sort_has_avx2() ? sort_signs_avx2 : sort_signs_portable;
   planes->planes = cellist_allocate(context, planes->group_count, 64 * sizeof *planes->planes);
   planes->inner = cellist_allocate(context, planes->group_count, sizeof *planes->inner);
   if (planes->planes == NULL || planes->inner == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for (size_t i = 0; i < 4 * mesh->tet_count; i++) {
-    const double *p = &mesh->points[3 * (size_t)mesh->tets[i]];
+  for (size_t i = 0; i < 4 * cells->tet_count; i++) {
+    const double *p = &cells->points[3 * (size_t)cells->tets[i]];
     for (int k = 0; k < 3; k++) {
       low[k] = p[k] < low[k] ? p[k] : low[k];
       high[k] = p[k] > high[k] ? p[k] : high[k];
@@ -106,7 +105,7 @@ cellist_result sort_planes_create(cellist_context *context, const cellist_sorter
     planes->centre[k] = 0.5 * low[k] + 0.5 * high[k];
     planes->radius = fmax(planes->radius, 0.5 * high[k] - 0.5 * low[k]);
   }
-  struct job job = {.mesh = mesh, .planes = planes};
+  struct job job = {.cells = cells, .planes = planes};
   cellist_parallel_for(context, planes->group_count, CHUNK, quantise_range, &job);
   return CELLIST_SUCCESS;
 }
@@ -148,12 +147,12 @@ static bool is_in_plane(const sort_eye *eye, const double *a, const double *b, c
   return true;
 }
 
-static void decide(const struct job *job, size_t tet, uint32_t k) {
+static void decide(const struct job *job, size_t cell, uint32_t k) {
   const double *p[3];
-  for (int c = 0; c < 3; c++) p[c] = &job->mesh->points[3 * (size_t)job->mesh->tets[4 * tet + SORT_TET_FACE[k][c]]];
+  sort_cell_face(job->cells, cell, k, p);
   if (is_in_plane(job->eye, p[0], p[1], p[2])) return;
   const int side = sort_eye_side(job->eye, p[0], p[1], p[2]);
-  job->states[tet] = (uint8_t)(job->states[tet] + (side > 0 ? 1 << k : side < 0 ? 16 : 0));
+  job->states[cell] = (uint8_t)(job->states[cell] + (side > 0 ? 1 << k : side < 0 ? 16 : 0));
 }
 
 static void find_range(void *user, size_t begin, size_t end, unsigned worker) {
@@ -174,9 +173,9 @@ static void find_range(void *user, size_t begin, size_t end, unsigned worker) {
   atomic_fetch_add(&job->undecided_count, count);
 }
 
-size_t sort_planes_find_states(cellist_context *context, const cellist_sorter_desc *mesh, const sort_planes *planes,
+size_t sort_planes_find_states(cellist_context *context, const sort_cells *cells, const sort_planes *planes,
                                const sort_eye *eye, uint8_t *states) {
-  struct job job = {.mesh = mesh, .planes = (sort_planes *)planes, .eye = eye, .states = states};
+  struct job job = {.cells = cells, .planes = (sort_planes *)planes, .eye = eye, .states = states};
   double numbers[4] = {eye->at[0], eye->at[1], eye->at[2], 0};
   for (int k = 0; k < 3 && !eye->parallel; k++) numbers[k] = (eye->at[k] - planes->centre[k]) / planes->radius;
   if (!eye->parallel) numbers[3] = 1;

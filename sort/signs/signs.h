@@ -3,7 +3,7 @@
 #ifndef CELLIST_SORT_SIGNS_H
 #define CELLIST_SORT_SIGNS_H
 
-#include "../view.h"
+#include "../cells.h"
 #include "kernel.h"
 
 /* All planes of a mesh in 16 bits a coordinate, in a frame of their own (centre at 0, the farthest point at 1). */
@@ -16,12 +16,12 @@ typedef struct sort_planes {
 } sort_planes;
 
 /* Fills a zeroed sort_planes. Errors: OUT_OF_MEMORY (what is there can be released). Cost: linear. */
-cellist_result sort_planes_create(cellist_context *context, const cellist_sorter_desc *mesh, sort_planes *planes);
+cellist_result sort_planes_create(cellist_context *context, const sort_cells *cells, sort_planes *planes);
 void sort_planes_release(cellist_context *context, sort_planes *planes);
 
-/* Writes all tets' states (bit k: the neighbour across face k lies in front; 16 for each neighbour behind).
- * states: [4 group_count], of which tet_count matter. Returns how many faces 16 bits could not decide. */
-size_t sort_planes_find_states(cellist_context *context, const cellist_sorter_desc *mesh, const sort_planes *planes,
+/* Writes all cells' states (bit k: the neighbour across face k lies in front; 16 for each neighbour behind).
+ * states: [4 group_count], of which cells->count matter. Returns how many faces 16 bits could not decide. */
+size_t sort_planes_find_states(cellist_context *context, const sort_cells *cells, const sort_planes *planes,
                                const sort_eye *eye, uint8_t *states);
 
 #endif

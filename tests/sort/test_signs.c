@@ -36,8 +36,9 @@ static void check_states(cellist_context *context, uint64_t seed, double scale, 
     points[i] = scale * (from.points[i] * (i % 3 == 2 ? flatten : 1) + shift);
   cellist_sorter_desc desc = from;
   desc.points = points;
+  const sort_cells cells = sort_cells_of_mesh(&desc);
   sort_planes planes = {0};
-  assert_success(context, sort_planes_create(context, &desc, &planes));
+  assert_success(context, sort_planes_create(context, &cells, &planes));
   uint8_t *states = calloc(4 * planes.group_count, 1);
   for (unsigned kind = 0; kind < 24; kind++) {
     random_state random = {kind};
@@ -46,7 +47,7 @@ static void check_states(cellist_context *context, uint64_t seed, double scale, 
     const sort_eye eye = sort_eye_of(&view);
     for (int portable = 0; portable < 2; portable++) {
       if (portable) planes.kernel = sort_signs_portable;
-      sort_planes_find_states(context, &desc, &planes, &eye, states);
+      sort_planes_find_states(context, &cells, &planes, &eye, states);
       for (size_t tet = 0; tet < desc.tet_count; tet++) {
         unsigned state = 0;
         for (size_t k = 0; k < 4; k++) {
