@@ -195,8 +195,13 @@ int command_render(int argc, char **argv) {
       "cellist render mesh.vtu -o a.exr -o a.png --scalar velocity:mag --tf viridis --orbit 45,20",
       "cellist render mesh.vtu -o a.exr --eye 3,0,1 --target 0,0,0 --fovy 40 --tf mine.json --unit diagonal/50",
       "cellist render mesh.vtu -o turn%04d.png --turntable 90 --background 1,1,1", NULL};
-  const command_usage usage = {"render", "MESH -o IMAGE", "Draws a mesh (a file, or sample:NAME).",     1,
-                               1,        examples,        {table, view_table, optics_table, mesh_table}};
+  const command_usage usage = {"render",
+                               "MESH -o IMAGE",
+                               "Draws a mesh (a file, or sample:NAME[:SIZE][,seed=N][,perturb=P][,parts=N]).",
+                               1,
+                               1,
+                               examples,
+                               {table, view_table, optics_table, mesh_table}};
   size_t positional = 0;
   const parse_result parsed = options_parse(&usage, argc, argv, &positional);
   if (parsed != PARSE_OK) return parse_exit(parsed);

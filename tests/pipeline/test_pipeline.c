@@ -94,6 +94,59 @@ TEST(opacity_scale_thickens)
   harness_context_destroy(context);
 }
 
+TEST(samples_take_a_seed_and_parts)
+{
+  cellist_context *context = harness_context(1);
+  static const char *const sources[] = {"sample:grid:384,perturb=0.3,seed=7", "sample:grid:384,seed=7,perturb=0.3",
+                                        "sample:grid:384,perturb=0.3,seed=8", "sample:cyclic,parts=9"};
+  cellist_mesh *meshes[4] = {NULL};
+  for (int i = 0; i < 4; i++) assert_success(context, cellist_pipeline_load(context, sources[i], NULL, &meshes[i]));
+  const cellist_mesh_arrays *a = cellist_mesh_get_arrays(meshes[0]), *b = cellist_mesh_get_arrays(meshes[1]);
+  const cellist_mesh_arrays *c = cellist_mesh_get_arrays(meshes[2]);
+  assert_memory_equal(a->positions, b->positions, 3 * a->point_count * sizeof *a->positions);
+  assert_true(memcmp(a->positions, c->positions, 3 * a->point_count * sizeof *a->positions) != 0);
+  assert_int_equal(cellist_mesh_get_arrays(meshes[3])->tet_count, 9);
+  cellist_mesh *none = NULL;
+  assert_failure(context, cellist_pipeline_load(context, "sample:grid:384,colour=2", NULL, &none),
+                 CELLIST_ERROR_INVALID_ARGUMENT, "perturb=P");
+  assert_failure(context, cellist_pipeline_load(context, "sample:grid,seed=-2", NULL, &none),
+                 CELLIST_ERROR_INVALID_ARGUMENT, "seed=N");
+  assert_failure(context, cellist_pipeline_load(context, "sample:grid,perturb=3", NULL, &none),
+                 CELLIST_ERROR_INVALID_ARGUMENT, "perturb is 3");
+  assert_null(none);
+  for (int i = 0; i < 4; i++) cellist_mesh_destroy(meshes[i]);
+  harness_context_destroy(context);
+}
+
+TEST(a_program_s_own_mesh_and_transfer_function_give_the_same_picture)
+{
+  cellist_context *context = harness_context(1);
+  cellist_pipeline_desc desc = {.source = "sample:grid:384", .optics = {.unit_distance = 0.5}};
+  cellist_image *images[2] = {NULL};
+  assert_success(context, draw(context, &desc, &images[0], NULL));
+  cellist_mesh *mesh = NULL;
+  cellist_scalar scalar;
+  cellist_transfer transfer;
+  assert_success(context, cellist_pipeline_load(context, desc.source, NULL, &mesh));
+  assert_success(context, cellist_scalar_select(context, mesh, NULL, &scalar));
+  const cellist_transfer_desc wanted = {.range = {scalar.minimum, scalar.maximum}, .unit_distance = 0.5};
+  assert_success(context, cellist_transfer_load(context, &wanted, &transfer));
+  const cellist_pipeline_desc own = {.mesh = mesh, .optics = {.function = &transfer}};
+  assert_success(context, draw(context, &own, &images[1], NULL));
+  for (int k = 0; k < 4; k++)
+    assert_memory_equal(cellist_image_channel(images[0], &"R\0G\0B\0A"[2 * k]),
+                        cellist_image_channel(images[1], &"R\0G\0B\0A"[2 * k]), 32 * 24 * sizeof(float));
+  transfer.knots[1].extinction = -1;
+  cellist_image *none = NULL;
+  assert_failure(context, draw(context, &own, &none, NULL), CELLIST_ERROR_INVALID_ARGUMENT, "knot");
+  cellist_image_destroy(images[0]);
+  cellist_image_destroy(images[1]);
+  cellist_transfer_release(context, &transfer);
+  cellist_scalar_release(context, &scalar);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
 TEST(what_does_not_exist_is_named)
 {
   cellist_context *context = harness_context(1);

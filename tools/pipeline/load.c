@@ -7,18 +7,38 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* One of ",seed=N", ",perturb=P", ",parts=N"; their ranges are the generator's affair. */
+static bool read_setting(const char *text, cellist_generate_desc *desc) {
+  char *end = NULL;
+  if (strncmp(text, "seed=", 5) == 0)
+    desc->seed = strtoull(text += 5, &end, 10);
+  else if (strncmp(text, "perturb=", 8) == 0)
+    desc->perturb = strtod(text += 8, &end);
+  else if (strncmp(text, "parts=", 6) == 0)
+    desc->parts = (uint32_t)strtoul(text += 6, &end, 10);
+  else
+    return false;
+  return end != text && *text != '-' && (*end == '\0' || *end == ',');
+}
+
+/* begin: the source after its prefix, NAME[:SIZE][,KEY=VALUE]... */
 static cellist_result generate(cellist_context *context, const char *source, const char *begin, cellist_mesh **mesh) {
   char name[64];
-  const char *colon = strchr(begin, ':');
-  const size_t length = colon != NULL ? (size_t)(colon - begin) : strlen(begin);
+  const size_t length = strcspn(begin, ":,");
   cellist_generate_desc desc = {0};
-  if (colon != NULL) {
+  const char *at = begin + length;
+  if (*at == ':') {
     char *end = NULL;
-    const double size = strtod(colon + 1, &end);
-    if (end == colon + 1 || *end != '\0' || !(size >= 1 && size <= 1e9))
+    const double size = strtod(at + 1, &end);
+    if (end == at + 1 || (*end != '\0' && *end != ',') || !(size >= 1 && size <= 1e9))
       return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "%s: the size must lie between 1 and 1e9", source);
     desc.size = (size_t)size;
+    at = end;
   }
+  for (; *at == ','; at += strcspn(at, ","))
+    if (!read_setting(++at, &desc))
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "%s: after the size only seed=N, perturb=P and parts=N may follow", source);
   snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), begin);
   return cellist_generate(context, name, &desc, mesh);
 }

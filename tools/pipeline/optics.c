@@ -5,6 +5,17 @@
 
 #include "pipeline.h"
 
+static cellist_result copy_transfer(cellist_context *context, const cellist_transfer *function,
+                                    cellist_transfer *copy) {
+  const cellist_result result = cellist_transfer_check(context, function);
+  if (result != CELLIST_SUCCESS) return result;
+  copy->knots = cellist_allocate(context, function->knot_count, sizeof *copy->knots);
+  if (copy->knots == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  memcpy(copy->knots, function->knots, function->knot_count * sizeof *copy->knots);
+  copy->knot_count = function->knot_count;
+  return CELLIST_SUCCESS;
+}
+
 cellist_result pipeline_load_transfer(cellist_pipeline *pipeline) {
   const cellist_pipeline_optics *optics = &pipeline->desc.optics;
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(pipeline->mesh);
@@ -16,6 +27,7 @@ cellist_result pipeline_load_transfer(cellist_pipeline *pipeline) {
     pipeline->unit_distance =
         cellist_unit_distance_auto(arrays->bounds, cellist_mesh_get_facts(pipeline->mesh)->file_cell_count);
   if (!(pipeline->unit_distance > 0)) pipeline->unit_distance = 1; /* no extent: any unit will do */
+  if (optics->function != NULL) return copy_transfer(pipeline->context, optics->function, &pipeline->transfer);
   /* A constant scalar takes the middle of the transfer function. */
   const double value = pipeline->scalar.minimum;
   const bool is_constant = value == pipeline->scalar.maximum;

@@ -69,11 +69,16 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   created->context = context;
   created->desc = *desc;
   const double begin = pipeline_seconds();
-  cellist_result result = cellist_pipeline_load(context, desc->source, &desc->read, &created->mesh);
+  created->mesh = desc->mesh;
+  cellist_result result = CELLIST_SUCCESS;
+  if (desc->mesh == NULL) {
+    result = cellist_pipeline_load(context, desc->source, &desc->read, &created->loaded);
+    created->mesh = created->loaded;
+  }
   if (result == CELLIST_SUCCESS)
     result = cellist_scalar_select(context, created->mesh, desc->optics.scalar, &created->scalar);
   created->load_seconds = pipeline_seconds() - begin;
-  if (result == CELLIST_SUCCESS) warn_of_flaws(created, desc->source);
+  if (result == CELLIST_SUCCESS) warn_of_flaws(created, desc->source != NULL ? desc->source : "mesh");
   if (result == CELLIST_SUCCESS) result = pipeline_load_transfer(created);
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
   created->drawn = created->mesh;
@@ -99,7 +104,7 @@ void cellist_pipeline_destroy(cellist_pipeline *pipeline) {
   cellist_raycaster_destroy(pipeline->caster);
   cellist_transfer_release(context, &pipeline->transfer);
   cellist_scalar_release(context, &pipeline->scalar);
-  cellist_mesh_destroy(pipeline->mesh);
+  cellist_mesh_destroy(pipeline->loaded);
   cellist_deallocate(context, pipeline);
 }
 

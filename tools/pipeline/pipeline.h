@@ -13,7 +13,8 @@
 
 struct cellist_pipeline {
   cellist_context *context;
-  cellist_mesh *mesh;
+  cellist_mesh *loaded;     /* NULL if the mesh is the caller's */
+  const cellist_mesh *mesh; /* loaded, or the caller's */
   cellist_scalar scalar;
   const cellist_mesh *drawn;          /* what renderers get: the mesh, or those of its tets that can show something */
   const cellist_scalar *drawn_scalar; /* of drawn */

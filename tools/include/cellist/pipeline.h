@@ -14,7 +14,8 @@
 extern "C" {
 #endif
 
-/* Reads a mesh from a file ("-": standard input) or makes a generated one ("sample:NAME" or "sample:NAME:SIZE").
+/* Reads a mesh from a file ("-": standard input) or makes a generated one ("sample:NAME" or "sample:NAME:SIZE", then
+ * any of ",seed=N", ",perturb=P", ",parts=N", as cellist_generate_desc).
  * desc may be NULL. *mesh is the caller's. Errors: those of cellist_mesh_read; NOT_FOUND (no such sample).
  * Threads: one call per context at a time. */
 CELLIST_API cellist_result cellist_pipeline_load(cellist_context *context, const char *source,
@@ -22,8 +23,11 @@ CELLIST_API cellist_result cellist_pipeline_load(cellist_context *context, const
 
 /* What the mesh looks like; {0} is valid. */
 typedef struct cellist_pipeline_optics {
-  const char *scalar;            /* as cellist_scalar_select; NULL: the default one */
-  const char *transfer;          /* a built-in name or a ParaView JSON file; NULL: "ramp" */
+  const char *scalar;   /* as cellist_scalar_select; NULL: the default one */
+  const char *transfer; /* a built-in name or a ParaView JSON file; NULL: "ramp" */
+  /* The program's own, per length of the mesh's units: taken as it is, in place of transfer, range, unit, scale,
+   * convention and colours. Copied. */
+  const cellist_transfer *function;
   bool has_range;                /* false: the scalar's own range; a constant scalar then takes the middle */
   double range[2];               /* the scalars that the transfer function covers */
   double unit_distance;          /* in mesh units; 0: as the next one says */
@@ -46,7 +50,9 @@ typedef enum cellist_renderer {
 typedef enum cellist_backend { CELLIST_BACKEND_AUTO, CELLIST_BACKEND_OSMESA, CELLIST_BACKEND_EGL } cellist_backend;
 
 typedef struct cellist_pipeline_desc {
-  const char *source; /* as cellist_pipeline_load */
+  const char *source;       /* as cellist_pipeline_load */
+  const cellist_mesh *mesh; /* the program's own, in place of source, which then is a name for messages or NULL;
+                               borrowed while the pipeline lives */
   cellist_mesh_read_desc read;
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
