@@ -64,9 +64,14 @@
   X(RenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC)         \
   X(ShaderSource, PFNGLSHADERSOURCEPROC)                       \
   X(TexBuffer, PFNGLTEXBUFFERPROC)                             \
+  X(TexImage2D, PFNGLTEXIMAGE2DPROC)                           \
+  X(TexImage3D, PFNGLTEXIMAGE3DPROC)                           \
+  X(TexParameteri, PFNGLTEXPARAMETERIPROC)                     \
   X(Uniform1f, PFNGLUNIFORM1FPROC)                             \
   X(Uniform1i, PFNGLUNIFORM1IPROC)                             \
   X(Uniform2f, PFNGLUNIFORM2FPROC)                             \
+  X(Uniform3f, PFNGLUNIFORM3FPROC)                             \
+  X(Uniform4f, PFNGLUNIFORM4FPROC)                             \
   X(UnmapBuffer, PFNGLUNMAPBUFFERPROC)                         \
   X(UseProgram, PFNGLUSEPROGRAMPROC)                           \
   X(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)         \

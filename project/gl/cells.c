@@ -78,8 +78,7 @@ void gl_cells_release(gl_cells *cells) {
 }
 
 cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mesh, const cellist_frame *frame,
-                              const gl_intervals *intervals, const cellist_optics *optics, double margin,
-                              gl_cells *cells) {
+                              const gl_intervals *intervals, const gl_light *light, double margin, gl_cells *cells) {
   const size_t count = mesh->arrays->point_count;
   const double *bounds = mesh->arrays->bounds;
   gl_cells made = {.context = context, .mesh = mesh, .frame = *frame, .intervals = intervals};
@@ -89,7 +88,7 @@ cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mes
                               .least_depth = fmax(0.5 * frame->near_distance, LEAST_SHARE * size),
                               .margin = margin,
                               .parallel = frame->parallel};
-  made.light = gl_light_of_frame(optics, frame);
+  made.light = *light;
   made.corners = cellist_allocate(context, count, sizeof *made.corners);
   made.outside = cellist_allocate(context, count, 1);
   if (made.corners == NULL || made.outside == NULL) {
@@ -257,8 +256,10 @@ static void write_light(const gl_cells *cells, uint32_t tet, float record[]) {
   gl_light_of_cell(&cells->light, corners, scalars, &record[24]);
 }
 
-/* Writes one cell; returns the number of triangle corners, 0 if it shows nothing. */
-static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, float record[], gl_corner *out) {
+/* Writes one cell, its gradients too where lights is not NULL; returns the number of triangle corners, 0 if it shows
+ * nothing. */
+static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, float record[], float *lights,
+                        gl_corner *out) {
   struct shown shown;
   if (!find_shown(cells, tet, &shown)) return 0;
   const unsigned sides = classify(cells, tet);
@@ -287,32 +288,41 @@ static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, fl
     p[k][2] = corner[k][2];
   }
   eye_coordinates(p, cells->frame.parallel, sides, eye);
-  write_record(cells, p, eye, &shown, reference, choose_face(cells, p, sides, wild), record);
+  const unsigned k = choose_face(cells, p, sides, wild);
+  write_record(cells, p, eye, &shown, reference, k, record);
   record[24] = 1;
   record[25] = record[26] = record[27] = 0;
-  if (cells->light.enabled) write_light(cells, tet, record);
+  if (lights != NULL) {
+    const uint8_t *face = CELLIST_TET_FACE[k];
+    gl_light_of_points(&cells->light, (const uint32_t[4]){v[face[0]], v[face[1]], v[face[2]], v[k]}, lights);
+  } else if (cells->light.enabled) {
+    write_light(cells, tet, record);
+  }
   return count;
 }
 
 struct job {
   const gl_cells *cells;
   const uint32_t *order;
-  float (*records)[GL_RECORD_FLOATS];
-  gl_corner *corners;
+  const gl_cells_output *output;
   gl_cells_count *counts;
 };
 
 static void prepare_range(void *user, size_t begin, size_t end, unsigned worker) {
   (void)worker;
   const struct job *job = user;
-  gl_corner *corners = job->corners + 3 * GL_CELLS_TRIANGLES * begin;
+  const gl_cells_output *output = job->output;
+  gl_corner *corners = output->corners + 3 * GL_CELLS_TRIANGLES * begin;
   gl_cells_count count = {0, 0};
   for (size_t i = begin; i < end; i++) {
-    float record[GL_RECORD_FLOATS]; /* copied as a whole: the buffers may be write-combined memory */
+    /* copied as a whole: the buffers may be write-combined memory */
+    float record[GL_RECORD_FLOATS], lights[GL_LIGHT_FLOATS];
     gl_corner made[3 * GL_CELLS_TRIANGLES];
-    const int made_count = prepare_cell(job->cells, job->order[i], (float)i, record, made);
+    const int made_count =
+        prepare_cell(job->cells, job->order[i], (float)i, record, output->lights != NULL ? lights : NULL, made);
     if (made_count == 0) continue;
-    memcpy(job->records[i], record, sizeof record);
+    memcpy(output->records[i], record, sizeof record);
+    if (output->lights != NULL) memcpy(output->lights[i], lights, sizeof lights);
     memcpy(corners + count.corners, made, (size_t)made_count * sizeof *made);
     count.corners += (uint32_t)made_count;
     count.cells++;
@@ -320,8 +330,8 @@ static void prepare_range(void *user, size_t begin, size_t end, unsigned worker)
   job->counts[begin / GL_CELLS_GRAIN] = count;
 }
 
-void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, size_t count, float (*records)[GL_RECORD_FLOATS],
-                      gl_corner *corners, gl_cells_count *counts) {
-  struct job job = {cells, order, records, corners, counts};
+void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, size_t count, const gl_cells_output *output,
+                      gl_cells_count *counts) {
+  struct job job = {cells, order, output, counts};
   cellist_parallel_for(cells->context, count, GL_CELLS_GRAIN, prepare_range, &job);
 }

@@ -2,23 +2,34 @@
  * Renderer through OpenGL: context, mesh and frame. A frame goes through in chunks of cells: the processor's threads
  * write each cell's footprint and record straight into OpenGL's buffers, then the chunk is drawn. */
 #include <cellist/gl.h>
+#include <cellist/gradients.h>
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "cells.h"
 #include "context.h"
+#include "integrators.h"
 #include "program.h"
 #include "target.h"
 
-extern const char cellist_text_faces_vert[], cellist_text_faces_frag[], cellist_text_exact_glsl[],
-    cellist_text_emission_glsl[], cellist_text_maximum_glsl[], cellist_text_isosurfaces_glsl[];
+extern const char cellist_text_faces_vert[], cellist_text_faces_frag[];
 
-/* Cells a chunk: 184 bytes each then stay below 6 MB, and the chunks are few. */
+/* Cells a chunk: 184 bytes each (232 with gradients) then stay below 8 MB, and the chunks are few. */
 enum { CHUNK_CELLS = 32768, CHUNK_GRAINS = CHUNK_CELLS / GL_CELLS_GRAIN };
 
-/* A program for each projection, with and without depth, and each model. */
-enum { VARIANT_PARALLEL = 1, VARIANT_DEPTH = 2, VARIANT_MODEL = 4, VARIANT_COUNT = 20 };
+/* A program for each projection, with and without depth, with and without light by gradients at points, and each
+ * integrator. */
+enum {
+  VARIANT_PARALLEL = 1,
+  VARIANT_DEPTH = 2,
+  VARIANT_LIT = 4,
+  VARIANT_INTEGRATOR = 8,
+  VARIANT_COUNT = VARIANT_INTEGRATOR * GL_INTEGRATOR_COUNT
+};
+/* Texture units. */
+enum { UNIT_RECORDS, UNIT_INTERVALS, UNIT_LIGHTS };
 
 struct cellist_gl {
   cellist_context *context;
@@ -29,6 +40,9 @@ struct cellist_gl {
   size_t chunk_cells;
   double subpixel;    /* step of the grid that corners are moved to, in pixels */
   gl_cells_mesh mesh; /* arrays NULL: nothing uploaded */
+  const cellist_mesh *source;
+  const cellist_scalar *scalar;
+  double *gradients; /* [3 points] once a frame was lit by them */
   gl_scale scale;
   gl_target target;
   GLuint programs[VARIANT_COUNT];
@@ -36,6 +50,7 @@ struct cellist_gl {
   GLuint corner_buffer;
   GLuint record_buffer, record_texture;
   GLuint interval_buffer, interval_texture;
+  GLuint light_buffer, light_texture;
 };
 
 static cellist_result enter(cellist_gl *gl) {
@@ -86,6 +101,7 @@ static cellist_result set_up(cellist_gl *gl) {
   api->GenQueries(1, &gl->query);
   make_texture_buffer(gl, &gl->record_buffer, &gl->record_texture);
   make_texture_buffer(gl, &gl->interval_buffer, &gl->interval_texture);
+  make_texture_buffer(gl, &gl->light_buffer, &gl->light_texture);
   api->GenVertexArrays(1, &gl->vertices);
   api->BindVertexArray(gl->vertices);
   api->GenBuffers(1, &gl->corner_buffer);
@@ -123,8 +139,8 @@ static void release_objects(cellist_gl *gl) {
   gl_target_release(api, &gl->target);
   for (int i = 0; i < VARIANT_COUNT; i++)
     if (gl->programs[i] != 0) api->DeleteProgram(gl->programs[i]);
-  const GLuint textures[] = {gl->record_texture, gl->interval_texture};
-  const GLuint buffers[] = {gl->record_buffer, gl->interval_buffer, gl->corner_buffer};
+  const GLuint textures[] = {gl->record_texture, gl->interval_texture, gl->light_texture};
+  const GLuint buffers[] = {gl->record_buffer, gl->interval_buffer, gl->light_buffer, gl->corner_buffer};
   api->DeleteTextures(sizeof textures / sizeof *textures, textures);
   api->DeleteVertexArrays(1, &gl->vertices);
   api->DeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
@@ -141,6 +157,7 @@ void cellist_gl_destroy(cellist_gl *gl) {
     gl->backend->close(gl->context, gl->state);
   }
   gl_cells_mesh_release(gl->context, &gl->mesh);
+  cellist_deallocate(gl->context, gl->gradients);
   cellist_deallocate(gl->context, gl->device_name);
   cellist_deallocate(gl->context, gl);
 }
@@ -156,7 +173,11 @@ cellist_result cellist_gl_upload(cellist_gl *gl, const cellist_mesh *mesh, const
   const cellist_result result = gl_cells_mesh_make(gl->context, mesh, scalar, &made);
   if (result != CELLIST_SUCCESS) return result;
   gl_cells_mesh_release(gl->context, &gl->mesh);
+  cellist_deallocate(gl->context, gl->gradients);
+  gl->gradients = NULL;
   gl->mesh = made;
+  gl->source = mesh;
+  gl->scalar = scalar;
   gl->scale = gl_scale_of(scalar);
   return CELLIST_SUCCESS;
 }
@@ -166,6 +187,7 @@ struct drawing {
   cellist_gl *gl;
   const cellist_frame *frame;
   const cellist_transfer *transfer;
+  const cellist_optics *optics;
   const uint32_t *order;
   size_t order_count;
   gl_intervals intervals;
@@ -192,62 +214,92 @@ static cellist_result check_arguments(const cellist_gl *gl, const cellist_frame 
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no model has the number %d",
                         (int)settings->optics.model);
   const cellist_light *light = &settings->optics.light;
-  if (light->enabled && !light->cell_gradients)
-    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this renderer lights cells by one gradient each only");
   if (light->enabled && !(light->gradient_unit > 0 && isfinite(light->gradient_unit)))
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the light's gradient unit must be above 0");
+  if (settings->optics.sample_count > 4)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a segment has 1 to 4 samples, not %u",
+                        settings->optics.sample_count);
   if ((unsigned)settings->framebuffer > CELLIST_FRAMEBUFFER_8)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no framebuffer has the number %d",
                         (int)settings->framebuffer);
   return CELLIST_SUCCESS;
 }
 
-static cellist_result use_program(cellist_gl *gl, unsigned variant, const cellist_frame *frame) {
+static cellist_result build_program(cellist_gl *gl, unsigned variant) {
   static const char *const vertex[] = {cellist_text_faces_vert, NULL};
-  static const char *const models[] = {
-      [CELLIST_MODEL_EMISSION_ABSORPTION] = cellist_text_exact_glsl,
-      [CELLIST_MODEL_ABSORPTION] = cellist_text_exact_glsl,
-      [CELLIST_MODEL_EMISSION] = cellist_text_emission_glsl,
-      [CELLIST_MODEL_MAXIMUM] = cellist_text_maximum_glsl,
-      [CELLIST_MODEL_ISOSURFACES] = cellist_text_isosurfaces_glsl,
-  };
-  const char *const fragment[] = {models[variant / VARIANT_MODEL], cellist_text_faces_frag, NULL};
-  static const char *const defines[VARIANT_MODEL] = {"", "#define PARALLEL\n", "#define WITH_DEPTH\n",
-                                                     "#define PARALLEL\n#define WITH_DEPTH\n"};
+  const char *fragment[GL_INTEGRATOR_TEXTS + 1];
+  const char *before =
+      gl_integrator_texts((gl_integrator)(variant / VARIANT_INTEGRATOR), variant & VARIANT_LIT, fragment);
+  size_t count = 0;
+  while (fragment[count] != NULL) count++;
+  fragment[count++] = cellist_text_faces_frag;
+  fragment[count] = NULL;
+  char defines[256];
+  snprintf(defines, sizeof defines, "%s%s%s", before, variant & VARIANT_PARALLEL ? "#define PARALLEL\n" : "",
+           variant & VARIANT_DEPTH ? "#define WITH_DEPTH\n" : "");
+  return gl_program_build(gl->context, &gl->api, defines, vertex, fragment, &gl->programs[variant]);
+}
+
+static void set_light(cellist_gl *gl, GLuint program, const gl_light *light, uint32_t sample_count) {
   const gl_api *api = &gl->api;
-  GLuint *program = &gl->programs[variant];
-  if (*program == 0) {
-    const cellist_result result =
-        gl_program_build(gl->context, api, defines[variant % VARIANT_MODEL], vertex, fragment, program);
+  const double *l = light->towards, *h = light->halfway;
+  api->Uniform1i(api->GetUniformLocation(program, "lights"), UNIT_LIGHTS);
+  api->Uniform1i(api->GetUniformLocation(program, "samples"), sample_count > 0 ? (GLint)sample_count : 1);
+  api->Uniform3f(api->GetUniformLocation(program, "towards"), (float)l[0], (float)l[1], (float)l[2]);
+  api->Uniform3f(api->GetUniformLocation(program, "halfway"), (float)h[0], (float)h[1], (float)h[2]);
+  api->Uniform4f(api->GetUniformLocation(program, "shares"), (float)light->light.ambient, (float)light->light.diffuse,
+                 (float)light->light.specular, (float)light->light.shininess);
+}
+
+static cellist_result use_program(cellist_gl *gl, unsigned variant, const struct drawing *drawing) {
+  const gl_api *api = &gl->api;
+  const cellist_frame *frame = drawing->frame;
+  if (gl->programs[variant] == 0) {
+    const cellist_result result = build_program(gl, variant);
     if (result != CELLIST_SUCCESS) return result;
   }
-  api->UseProgram(*program);
-  api->Uniform1i(api->GetUniformLocation(*program, "records"), 0);
-  api->Uniform1i(api->GetUniformLocation(*program, "intervals"), 1);
-  api->Uniform1f(api->GetUniformLocation(*program, "near_distance"), (float)frame->near_distance);
-  api->Uniform2f(api->GetUniformLocation(*program, "centre"), 0.5f * (float)frame->width, 0.5f * (float)frame->height);
-  api->Uniform2f(api->GetUniformLocation(*program, "slope"), (float)(2 * frame->half_width / frame->width),
+  const GLuint program = gl->programs[variant];
+  api->UseProgram(program);
+  api->Uniform1i(api->GetUniformLocation(program, "records"), UNIT_RECORDS);
+  api->Uniform1i(api->GetUniformLocation(program, "intervals"), UNIT_INTERVALS);
+  api->Uniform1f(api->GetUniformLocation(program, "near_distance"), (float)frame->near_distance);
+  api->Uniform2f(api->GetUniformLocation(program, "centre"), 0.5f * (float)frame->width, 0.5f * (float)frame->height);
+  api->Uniform2f(api->GetUniformLocation(program, "slope"), (float)(2 * frame->half_width / frame->width),
                  (float)(2 * frame->half_height / frame->height));
+  if (variant & VARIANT_LIT) set_light(gl, program, &drawing->cells.light, drawing->optics->sample_count);
   return CELLIST_SUCCESS;
+}
+
+/* Room for so many bytes, to be written; NULL if there is none. */
+static void *map_buffer(const gl_api *api, GLenum target, GLuint buffer, size_t bytes) {
+  api->BindBuffer(target, buffer);
+  api->BufferData(target, (GLsizeiptr)bytes, NULL, GL_STREAM_DRAW);
+  return api->MapBufferRange(target, 0, (GLsizeiptr)bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+}
+
+/* Whether the buffer was mapped and has kept what was written. */
+static bool unmap_buffer(const gl_api *api, GLenum target, GLuint buffer, const void *mapped) {
+  if (mapped == NULL) return false;
+  api->BindBuffer(target, buffer);
+  return api->UnmapBuffer(target);
 }
 
 static cellist_result draw_chunk(struct drawing *drawing, const uint32_t *order, size_t count) {
   cellist_gl *gl = drawing->gl;
   const gl_api *api = &gl->api;
-  const GLbitfield access = GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT;
-  const GLsizeiptr record_bytes = (GLsizeiptr)(count * GL_RECORD_FLOATS * sizeof(float));
-  const GLsizeiptr corner_bytes = (GLsizeiptr)(count * 3 * GL_CELLS_TRIANGLES * sizeof(gl_corner));
-  api->BindBuffer(GL_TEXTURE_BUFFER, gl->record_buffer);
-  api->BufferData(GL_TEXTURE_BUFFER, record_bytes, NULL, GL_STREAM_DRAW);
-  api->BufferData(GL_ARRAY_BUFFER, corner_bytes, NULL, GL_STREAM_DRAW);
-  void *records = api->MapBufferRange(GL_TEXTURE_BUFFER, 0, record_bytes, access);
-  void *corners = api->MapBufferRange(GL_ARRAY_BUFFER, 0, corner_bytes, access);
+  const bool lit = drawing->cells.light.gradients != NULL;
+  gl_cells_output output = {NULL, NULL, NULL};
+  output.records = map_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, count * sizeof *output.records);
+  if (lit) output.lights = map_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, count * sizeof *output.lights);
+  output.corners =
+      map_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, count * 3 * GL_CELLS_TRIANGLES * sizeof *output.corners);
   gl_cells_count counts[CHUNK_GRAINS];
-  if (records != NULL && corners != NULL) gl_cells_prepare(&drawing->cells, order, count, records, corners, counts);
-  const bool kept_records = records != NULL && api->UnmapBuffer(GL_TEXTURE_BUFFER);
-  const bool kept_corners = corners != NULL && api->UnmapBuffer(GL_ARRAY_BUFFER);
-  if (!kept_records || !kept_corners)
-    return cellist_fail(gl->context, CELLIST_ERROR_OUT_OF_MEMORY, "OpenGL has no buffer for %zu cells", count);
+  if (output.records != NULL && output.corners != NULL && lit == (output.lights != NULL))
+    gl_cells_prepare(&drawing->cells, order, count, &output, counts);
+  bool kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, output.records);
+  if (lit) kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, output.lights) && kept;
+  kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, output.corners) && kept;
+  if (!kept) return cellist_fail(gl->context, CELLIST_ERROR_OUT_OF_MEMORY, "OpenGL has no buffer for %zu cells", count);
   GLint begins[CHUNK_GRAINS];
   GLsizei sizes[CHUNK_GRAINS], draws = 0;
   for (size_t i = 0; i * GL_CELLS_GRAIN < count; i++) {
@@ -274,8 +326,9 @@ static cellist_result draw(struct drawing *drawing, const cellist_gl_settings *s
   if (result == CELLIST_SUCCESS)
     result = use_program(gl,
                          (frame->parallel ? VARIANT_PARALLEL : 0) | (with_depth ? VARIANT_DEPTH : 0) |
-                             VARIANT_MODEL * (unsigned)settings->optics.model,
-                         frame);
+                             (drawing->cells.light.gradients != NULL ? VARIANT_LIT : 0) |
+                             VARIANT_INTEGRATOR * (unsigned)gl_integrator_of(&settings->optics),
+                         drawing);
   if (result != CELLIST_SUCCESS) return result;
 
   api->BindVertexArray(gl->vertices);
@@ -284,10 +337,12 @@ static cellist_result draw(struct drawing *drawing, const cellist_gl_settings *s
   api->BufferData(GL_TEXTURE_BUFFER,
                   (GLsizeiptr)((drawing->intervals.knot_count + 1) * GL_INTERVAL_FLOATS * sizeof(float)),
                   drawing->intervals.texels, GL_STREAM_DRAW);
-  api->ActiveTexture(GL_TEXTURE0);
+  api->ActiveTexture(GL_TEXTURE0 + UNIT_RECORDS);
   api->BindTexture(GL_TEXTURE_BUFFER, gl->record_texture);
-  api->ActiveTexture(GL_TEXTURE1);
+  api->ActiveTexture(GL_TEXTURE0 + UNIT_INTERVALS);
   api->BindTexture(GL_TEXTURE_BUFFER, gl->interval_texture);
+  api->ActiveTexture(GL_TEXTURE0 + UNIT_LIGHTS);
+  api->BindTexture(GL_TEXTURE_BUFFER, gl->light_texture);
 
   api->BeginQuery(GL_SAMPLES_PASSED, gl->query);
   for (size_t begin = 0; begin < drawing->order_count && result == CELLIST_SUCCESS; begin += gl->chunk_cells) {
@@ -305,6 +360,25 @@ static cellist_result draw(struct drawing *drawing, const cellist_gl_settings *s
   return result;
 }
 
+/* The frame's light; gradients at points are made when first asked for. */
+static cellist_result make_light(cellist_gl *gl, const cellist_frame *frame, const cellist_optics *optics,
+                                 gl_light *light) {
+  *light = gl_light_of_frame(optics, frame);
+  if (!light->enabled || light->light.cell_gradients) return CELLIST_SUCCESS;
+  if (gl->gradients == NULL) {
+    double *made = cellist_allocate(gl->context, gl->mesh.arrays->point_count, 3 * sizeof *made);
+    if (made == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    const cellist_result result = cellist_gradients_at_points(gl->context, gl->source, gl->scalar, made);
+    if (result != CELLIST_SUCCESS) {
+      cellist_deallocate(gl->context, made);
+      return result;
+    }
+    gl->gradients = made;
+  }
+  light->gradients = gl->gradients;
+  return CELLIST_SUCCESS;
+}
+
 cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, const cellist_transfer *transfer,
                                  const uint32_t *order, size_t order_count, const cellist_gl_settings *settings,
                                  cellist_image *image, cellist_gl_stats *stats) {
@@ -315,12 +389,20 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   cellist_result result = check_arguments(gl, frame, order, order_count, settings, image);
   if (result != CELLIST_SUCCESS) return result;
 
-  struct drawing drawing = {.gl = gl, .frame = frame, .transfer = transfer, .order = order, .order_count = order_count};
+  struct drawing drawing = {.gl = gl,
+                            .frame = frame,
+                            .transfer = transfer,
+                            .optics = &settings->optics,
+                            .order = order,
+                            .order_count = order_count};
+  gl_light light;
+  result = make_light(gl, frame, &settings->optics, &light);
+  if (result != CELLIST_SUCCESS) return result;
   result = gl_intervals_make(context, transfer, &settings->optics, gl->scale, &drawing.intervals);
   if (result != CELLIST_SUCCESS) return result;
   /* Corners are moved by half a step each way, and have float's digits before. */
   const double margin = gl->subpixel + fmax(frame->width, frame->height) * FLT_EPSILON;
-  result = gl_cells_begin(context, &gl->mesh, frame, &drawing.intervals, &settings->optics, margin, &drawing.cells);
+  result = gl_cells_begin(context, &gl->mesh, frame, &drawing.intervals, &light, margin, &drawing.cells);
   if (result == CELLIST_SUCCESS) {
     result = enter(gl);
     if (result == CELLIST_SUCCESS) {

@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Light [C 8] on one gradient a cell: the lit share and the highlight are constant in the cell, so what it gathers is
- * multiplied by one and increased by the other times its opacity; no table and no samples are needed. */
+ * Light [C 8]. On one gradient a cell the lit share and the highlight are constant in the cell, so what it gathers is
+ * multiplied by one and increased by the other times its opacity; no samples are needed. Gradients at points go to the
+ * shader (light.glsl). */
 #include "light.h"
 
 #include <math.h>
 #include <string.h>
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* In the light's unit, gradients beyond this are cut off: their squares fit a float, and they are all white or black.
+ */
+static const double STEEP = 1e15;
 
 static void normalise(double v[3]) {
   const double length = hypot(hypot(v[0], v[1]), v[2]);
@@ -46,4 +51,13 @@ void gl_light_of_cell(const gl_light *light, const double *const corners[4], con
   out[0] = (float)(light->light.ambient + light->light.diffuse * fabs(dot(gradient, light->towards)) / unit);
   if (light->light.specular != 0)
     out[1] = (float)(light->light.specular * pow(fabs(dot(gradient, light->halfway)) / length, light->light.shininess));
+}
+
+void gl_light_of_points(const gl_light *light, const uint32_t points[4], float out[GL_LIGHT_FLOATS]) {
+  for (int c = 0; c < 4; c++) {
+    const double *gradient = &light->gradients[3 * (size_t)points[c]];
+    const double largest = fmax(fmax(fabs(gradient[0]), fabs(gradient[1])), fabs(gradient[2]));
+    const double unit = fmax(light->light.gradient_unit, largest / STEEP);
+    for (int k = 0; k < 3; k++) out[4 * k + c] = (float)(gradient[k] / unit);
+  }
 }

@@ -15,7 +15,7 @@ struct cellist_raycaster {
   /* For `reference`, made at the first picture that needs them. */
   bool has_hierarchy;
   face_hierarchy hierarchy;
-  float *slopes;            /* [tets] see gradients.h */
+  float *slopes;            /* [tets] see slopes.h */
   double *point_gradients;  /* [3 points] */
   double *cell_gradients;   /* [3 tets] */
   struct fast_caster *fast; /* for `fast`, made at its first picture */

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Reference render: rays in tiles, shared out among the workers. A pixel depends on its own ray alone and counts are
  * integers, so nothing depends on who drew what. */
+#include <cellist/gradients.h>
 #include <math.h>
 #include <stdatomic.h>
 
-#include "gradients.h"
 #include "outputs.h"
 #include "raycaster.h"
 #include "reference_shade.h"
 #include "reference_walk.h"
+#include "slopes.h"
 
 /* Pixels along a tile's side; small enough to share out a small picture, large enough to keep cells in the cache. */
 enum { TILE = 16 };
@@ -112,14 +113,19 @@ static cellist_result prepare(cellist_raycaster *caster, const cellist_optics *o
   }
   if (!optics->light.enabled) return CELLIST_SUCCESS;
   if (optics->light.cell_gradients && caster->cell_gradients == NULL) {
-    caster->cell_gradients = cellist_allocate(context, mesh->tet_count, 3 * sizeof *caster->cell_gradients);
-    if (caster->cell_gradients == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
-    gradients_of_cells(context, mesh, caster->scalar, caster->cell_gradients);
+    double *gradients = cellist_allocate(context, mesh->tet_count, 3 * sizeof *gradients);
+    if (gradients == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    const cellist_result result = cellist_gradients_of_cells(context, caster->mesh, caster->scalar, gradients);
+    if (result != CELLIST_SUCCESS) {
+      cellist_deallocate(context, gradients);
+      return result;
+    }
+    caster->cell_gradients = gradients;
   }
   if (!optics->light.cell_gradients && caster->point_gradients == NULL) {
     double *gradients = cellist_allocate(context, mesh->point_count, 3 * sizeof *gradients);
     if (gradients == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
-    const cellist_result result = gradients_at_points(context, mesh, caster->scalar, gradients);
+    const cellist_result result = cellist_gradients_at_points(context, caster->mesh, caster->scalar, gradients);
     if (result != CELLIST_SUCCESS) {
       cellist_deallocate(context, gradients);
       return result;

@@ -80,6 +80,9 @@ void main() {
 #endif
   float front = dot(entry_weight, scalar.xyz) + entry_opposite * scalar.w;
   float back = dot(exit_weight, scalar.xyz) + exit_opposite * scalar.w;
+#ifdef LIT
+  set_gradients(record, vec4(entry_weight, entry_opposite), vec4(exit_weight, exit_opposite));
+#endif
   vec2 seen;
   vec4 gathered = gather(front, back, ray_length, ivec2(head.zw), seen);
   if (seen.y < seen.x) discard;

@@ -1,4 +1,4 @@
-// Isosurfaces, flat coloured: where the scalar passes a value, its colour and opacity, from front to back. A surface
+// Isosurfaces, flat or lit: where the scalar passes a value, its colour and opacity, from front to back. A surface
 // belongs to the values from the segment's lower end on, below its upper end, so that none is met twice where two cells
 // meet.
 //
@@ -18,8 +18,12 @@ vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
     float value = texelFetch(intervals, 2 * i).x;
     if (value >= least && value < most) {
       vec4 surface = texelFetch(intervals, 2 * i + 1);
-      gathered += (1.0 - gathered.w) * vec4(surface.xyz * surface.w, surface.w);
       float at = clamp((value - front) / (back - front), 0.0, 1.0);
+#ifdef LIT
+      vec3 normal = normal_of(mix(gradient_front, gradient_back, at));
+      surface.xyz = surface.xyz * (shares.x + shares.y * abs(dot(normal, towards))) + highlight(normal);
+#endif
+      gathered += (1.0 - gathered.w) * vec4(surface.xyz * surface.w, surface.w);
       seen = vec2(min(seen.x, at), max(seen.y, at));
     }
   }

@@ -59,8 +59,8 @@ typedef enum cellist_framebuffer {
   CELLIST_FRAMEBUFFER_8    /* four bytes: faint cells vanish */
 } cellist_framebuffer;
 
-/* {0} is the default: emission and absorption, floats. Every model is drawn, lit by one gradient a cell
- * (cell_gradients); maximum intensity always in floats. Emission, absorption and maximum intensity need no order: any
+/* {0} is the default: emission and absorption, floats. Every model is drawn, lit by one gradient a cell or by gradients
+ * at points; maximum intensity always in floats. Emission, absorption and maximum intensity need no order: any
  * will do. */
 typedef struct cellist_gl_settings {
   cellist_optics optics;
@@ -80,8 +80,8 @@ typedef struct cellist_gl_stats {
  *   ZBack that it has are filled: premultiplied linear colour, and the depth along frame->forward where the first
  *   contribution begins and the last one ends (infinity and 0 where there is none). settings and stats may be NULL.
  * Errors: INVALID_ARGUMENT (nothing uploaded, a tet that does not exist, an image of another size, a transfer function
- *   without knots, out of order or not finite, an isosurface's opacity out of range), UNSUPPORTED (light by gradients
- * at points, a size beyond this OpenGL's), GRAPHICS, OUT_OF_MEMORY. Threads: one call per renderer at a time; the
+ *   without knots, out of order or not finite, an isosurface's opacity or a number of samples out of range),
+ * UNSUPPORTED (a size beyond this OpenGL's), GRAPHICS, OUT_OF_MEMORY. Threads: one call per renderer at a time; the
  * context's workers prepare the cells, the picture does not depend on their number. Cost: linear in cells and
  * fragments. */
 CELLIST_API cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame,

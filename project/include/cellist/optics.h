@@ -41,14 +41,24 @@ typedef struct cellist_light {
                            once, weight 1), linear inside a cell */
 } cellist_light;
 
-/* {0} is valid: emission and absorption, without light. */
+/* How a renderer through OpenGL integrates emission and absorption, and absorption alone, along a cell's segment. The
+ * other models and the renderers on the processor are always exact. */
+typedef enum cellist_integration {
+  CELLIST_INTEGRATION_EXACT, /* split where the scalar crosses a knot, each piece as a series: errors of rounding */
+  CELLIST_INTEGRATION_PSI,   /* split likewise, each piece by a table that holds for every transfer function */
+  CELLIST_INTEGRATION_TABLE  /* one look-up in a table made for the transfer function (cellist/preintegration.h) */
+} cellist_integration;
+
+/* {0} is valid: emission and absorption, without light, exact. */
 typedef struct cellist_optics {
   cellist_model model;
   size_t iso_count;
   const cellist_isosurface *isos; /* [iso_count], the caller's, in any order */
   cellist_light light;            /* for emission-absorption, emission and isosurfaces */
-  uint32_t sample_count;          /* parts of a segment that are lit one by one, 1 to 4; 0: 1. The reference caster
-                                     needs none */
+  uint32_t sample_count;          /* parts of a segment that are lit one by one by gradients at points, 1 to 4; 0: 1.
+                                     The reference caster needs none */
+  cellist_integration integration;
+  uint32_t table_size[2]; /* of TABLE: nodes along each scalar axis and along the length; 0: the usual ones */
 } cellist_optics;
 
 #ifdef __cplusplus

@@ -3,8 +3,7 @@
  *
  * The edges of a sound tet span space, so the normal equations of a point are regular; where they are not to working
  * precision (points that only flat cells use), the directions that the edges do not reach get no slope. */
-#include "gradients.h"
-
+#include <cellist/gradients.h>
 #include <cellist/radix.h>
 #include <math.h>
 #include <string.h>
@@ -13,86 +12,62 @@
  * across slivers, smaller turns noise into slopes. */
 static const double PIVOT_TOLERANCE = 1e-14;
 
+static cellist_result check(cellist_context *context, const cellist_mesh *mesh, const cellist_scalar *scalar,
+                            const double *gradients) {
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (mesh == NULL || scalar == NULL || gradients == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "gradients: mesh, scalar or gradients is NULL");
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
+  const bool on_cells = scalar->association == CELLIST_ON_CELLS;
+  if (scalar->count != (on_cells ? arrays->tet_count : arrays->point_count))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the scalar has %zu values, the mesh %zu %s",
+                        scalar->count, on_cells ? arrays->tet_count : arrays->point_count,
+                        on_cells ? "tets" : "points");
+  return CELLIST_SUCCESS;
+}
+
 static void cross(double out[3], const double a[3], const double b[3]) {
   for (int k = 0; k < 3; k++) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* Edges from corner 0, scalar differences along them, and six times the volume; false: nothing to take a gradient of.
- */
-struct cell {
-  double edge[3][3], rise[3], normal[3][3], volume;
-};
-
-static bool cell_begin(const cellist_mesh_arrays *mesh, const cellist_scalar *scalar, uint32_t tet, struct cell *cell) {
-  if (scalar->association == CELLIST_ON_CELLS || (mesh->tet_flags[tet] & CELLIST_TET_FLAT) != 0) return false;
-  const uint32_t *v = &mesh->tets[4 * (size_t)tet];
+static void gradient_of_cell(const cellist_mesh_arrays *mesh, const cellist_scalar *scalar, size_t tet,
+                             double gradient[3]) {
+  gradient[0] = gradient[1] = gradient[2] = 0;
+  if (scalar->association == CELLIST_ON_CELLS || (mesh->tet_flags[tet] & CELLIST_TET_FLAT) != 0) return;
+  const uint32_t *v = &mesh->tets[4 * tet];
+  double edge[3][3], rise[3], normal[3][3], volume = 0;
   for (int e = 0; e < 3; e++) {
-    cell->rise[e] = scalar->values[v[e + 1]] - scalar->values[v[0]];
-    if (!isfinite(cell->rise[e])) return false;
-    for (int k = 0; k < 3; k++)
-      cell->edge[e][k] =
-          mesh->positions[3 * (size_t)v[e + 1] + (size_t)k] - mesh->positions[3 * (size_t)v[0] + (size_t)k];
+    rise[e] = scalar->values[v[e + 1]] - scalar->values[v[0]];
+    if (!isfinite(rise[e])) return;
+    for (size_t k = 0; k < 3; k++)
+      edge[e][k] = mesh->positions[3 * (size_t)v[e + 1] + k] - mesh->positions[3 * (size_t)v[0] + k];
   }
-  for (int e = 0; e < 3; e++) cross(cell->normal[e], cell->edge[(e + 1) % 3], cell->edge[(e + 2) % 3]);
-  cell->volume = 0;
-  for (int k = 0; k < 3; k++) cell->volume += cell->edge[0][k] * cell->normal[0][k];
-  return true;
-}
-
-void gradient_of_cell(const cellist_mesh_arrays *mesh, const cellist_scalar *scalar, uint32_t tet, double gradient[3]) {
-  struct cell cell;
-  for (int k = 0; k < 3; k++) gradient[k] = 0;
-  if (!cell_begin(mesh, scalar, tet, &cell) || !(cell.volume > 0)) return;
+  for (int e = 0; e < 3; e++) cross(normal[e], edge[(e + 1) % 3], edge[(e + 2) % 3]);
+  for (int k = 0; k < 3; k++) volume += edge[0][k] * normal[0][k];
+  if (!(volume > 0)) return;
   for (int k = 0; k < 3; k++)
-    for (int e = 0; e < 3; e++) gradient[k] += cell.rise[e] * cell.normal[e][k] / cell.volume;
+    for (int e = 0; e < 3; e++) gradient[k] += rise[e] * normal[e][k] / volume;
 }
 
 struct job {
   const cellist_mesh_arrays *mesh;
   const cellist_scalar *scalar;
-  float *slopes;
   double *gradients;
 };
-
-static double length_of(const double v[3]) { return hypot(hypot(v[0], v[1]), v[2]); }
-
-static void fill_slopes(void *user, size_t begin, size_t end, unsigned worker) {
-  (void)worker;
-  const struct job *job = user;
-  for (size_t t = begin; t < end; t++) {
-    struct cell cell;
-    job->slopes[t] = 0;
-    if (!cell_begin(job->mesh, job->scalar, (uint32_t)t, &cell)) continue;
-    double gradient[3] = {0}, terms = 0;
-    for (int e = 0; e < 3; e++) {
-      terms += fabs(cell.rise[e]) * length_of(cell.edge[(e + 1) % 3]) * length_of(cell.edge[(e + 2) % 3]);
-      for (int k = 0; k < 3; k++) gradient[k] += cell.rise[e] * cell.normal[e][k];
-    }
-    /* Rounding: some 8 u of the terms, and of the volume; a volume that may be nothing but rounding bounds nothing. */
-    const double doubt = 16 * 0x1p-53;
-    const double box = length_of(cell.edge[0]) * length_of(cell.edge[1]) * length_of(cell.edge[2]);
-    const double volume = cell.volume - doubt * box;
-    const double slope = volume > 0 ? (length_of(gradient) + doubt * terms) / volume * (1 + 1e-6) : HUGE_VAL;
-    job->slopes[t] = slope > 1e38 ? HUGE_VALF : slope > 0 ? (float)slope + 1e-37F : 0;
-  }
-}
-
-void gradient_slopes(cellist_context *context, const cellist_mesh_arrays *mesh, const cellist_scalar *scalar,
-                     float *slopes) {
-  struct job job = {.mesh = mesh, .scalar = scalar, .slopes = slopes};
-  cellist_parallel_for(context, mesh->tet_count, 4096, fill_slopes, &job);
-}
 
 static void fill_cells(void *user, size_t begin, size_t end, unsigned worker) {
   (void)worker;
   const struct job *job = user;
-  for (size_t t = begin; t < end; t++) gradient_of_cell(job->mesh, job->scalar, (uint32_t)t, &job->gradients[3 * t]);
+  for (size_t t = begin; t < end; t++) gradient_of_cell(job->mesh, job->scalar, t, &job->gradients[3 * t]);
 }
 
-void gradients_of_cells(cellist_context *context, const cellist_mesh_arrays *mesh, const cellist_scalar *scalar,
-                        double *gradients) {
-  struct job job = {.mesh = mesh, .scalar = scalar, .gradients = gradients};
-  cellist_parallel_for(context, mesh->tet_count, 4096, fill_cells, &job);
+cellist_result cellist_gradients_of_cells(cellist_context *context, const cellist_mesh *mesh,
+                                          const cellist_scalar *scalar, double *gradients) {
+  const cellist_result wrong = check(context, mesh, scalar, gradients);
+  if (wrong != CELLIST_SUCCESS) return wrong;
+  struct job job = {cellist_mesh_get_arrays(mesh), scalar, gradients};
+  cellist_parallel_for(context, job.mesh->tet_count, 4096, fill_cells, &job);
+  return CELLIST_SUCCESS;
 }
 
 /* The normal equations of one point: the sums of d d^T (upper triangle) and of d times the scalar difference. */
@@ -149,8 +124,11 @@ static void add_edge(const cellist_mesh_arrays *mesh, const cellist_scalar *scal
   }
 }
 
-cellist_result gradients_at_points(cellist_context *context, const cellist_mesh_arrays *mesh,
-                                   const cellist_scalar *scalar, double *gradients) {
+cellist_result cellist_gradients_at_points(cellist_context *context, const cellist_mesh *whole,
+                                           const cellist_scalar *scalar, double *gradients) {
+  const cellist_result wrong = check(context, whole, scalar, gradients);
+  if (wrong != CELLIST_SUCCESS) return wrong;
+  const cellist_mesh_arrays *mesh = cellist_mesh_get_arrays(whole);
   memset(gradients, 0, 3 * mesh->point_count * sizeof *gradients);
   if (scalar->association == CELLIST_ON_CELLS) return CELLIST_SUCCESS;
   const size_t count = 6 * mesh->tet_count;
