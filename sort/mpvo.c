@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+#include "arcs.h"
+
 /* Marks cells that gap arcs leave, and counts all arcs that lead to a cell as one more cell behind it. */
 static void add_gap_states(cellist_sorter *sorter) {
   const sort_gaps *gaps = &sorter->gaps;
@@ -31,24 +33,11 @@ static size_t follow_gap_arcs(cellist_sorter *sorter, uint32_t tet, uint32_t *or
   return count;
 }
 
-/* Cells are taken from the queue in batches: while one batch is worked on, the neighbours of the batch after the next
- * are on their way from memory, and the states of the next one's neighbours. Only speed depends on it. */
-enum { BATCH = 16 };
-
-static void fetch_neighbours(const cellist_sorter *sorter, const uint32_t *order, size_t begin, size_t end) {
-  for (size_t i = begin; i < end; i++) {
-    __builtin_prefetch(&sorter->cells.neighbours[4 * (size_t)order[i]]);
-    __builtin_prefetch(&sorter->state[order[i]], 1);
-  }
-}
-
-static void fetch_states(const cellist_sorter *sorter, const uint32_t *order, size_t begin, size_t end) {
-  const uint32_t none = (uint32_t)sorter->cells.count;
-  for (size_t i = begin; i < end; i++) {
-    const uint32_t *neighbours = &sorter->cells.neighbours[4 * (size_t)order[i]];
-    for (size_t k = 0; k < 4; k++) __builtin_prefetch(&sorter->state[neighbours[k] < none ? neighbours[k] : none], 1);
-  }
-}
+/* Cells are taken from the queue in batches, each in two passes without branches that depend on signs (every second one
+ * would be guessed wrong): first the arcs that leave the batch's cells are listed, then each arc takes one from its
+ * target's pending count and writes the target to the queue's end, which moves only past ready cells. While a batch is
+ * worked on, the neighbours of the next one are on their way from memory. 32 is slower, 128 no faster. */
+enum { BATCH = 64 };
 
 /* Cells with nothing behind them, eight states at a time. */
 static size_t find_farthest(const cellist_sorter *sorter, uint32_t *order) {
@@ -68,47 +57,29 @@ static size_t find_farthest(const cellist_sorter *sorter, uint32_t *order) {
 
 size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
   const uint32_t *neighbours = sorter->cells.neighbours;
-  const size_t cell_count = sorter->cells.count;
   uint8_t *state = sorter->state;
+  const sort_arc_kernel list_arcs = sort_has_avx2() ? sort_list_arcs_avx2 : sort_list_arcs_portable;
   if (!sorter->convex) add_gap_states(sorter);
-  size_t count = find_farthest(sorter, order), out = 0;
-  /* Without branches that depend on signs (each would be wrong half of the time): every neighbour's state is written,
-   * less nothing if it is not in front; where there is no neighbour, a spare state is. Each neighbour is written to
-   * the queue's end, which moves only past ready ones, so this loop needs room for four cells. */
-  size_t fetched_neighbours = 0, fetched_states = 0;
-  while (out < count && count + 4 <= cell_count) {
-    const size_t end = out + BATCH < count ? out + BATCH : count;
-    const size_t next_end = end + BATCH < count ? end + BATCH : count;
-    const size_t far_end = next_end + BATCH < count ? next_end + BATCH : count;
-    fetch_neighbours(sorter, order, fetched_neighbours, far_end);
-    fetch_states(sorter, order, fetched_states, next_end);
-    fetched_neighbours = far_end;
-    fetched_states = next_end;
-    for (; out < end && count + 4 <= cell_count; out++) {
-      const uint32_t tet = order[out];
-      const uint32_t front = state[tet];
-      for (size_t k = 0; k < 4; k++) {
-        const uint32_t bit = front >> k & 1;
-        const uint32_t spare = (uint32_t)(cell_count + k);
-        const uint32_t other = neighbours[4 * (size_t)tet + k];
-        const uint32_t next = other < spare ? other : spare;
-        const uint8_t left = (uint8_t)(state[next] - bit * SORT_PENDING);
-        state[next] = left;
-        order[count] = next;
-        count += bit & ((left & SORT_PENDING_MASK) == 0);
-      }
-      if (front & SORT_HAS_GAP_ARCS) count = follow_gap_arcs(sorter, tet, order, count);
+  uint32_t arcs[4 * BATCH + 4];
+  size_t count = find_farthest(sorter, order), out = 0, fetched = 0;
+  while (out < count) {
+    const size_t size = count - out < BATCH ? count - out : BATCH;
+    const size_t next_end = count - out < 2 * BATCH ? count : out + 2 * BATCH;
+    for (; fetched < next_end; fetched++) __builtin_prefetch(&neighbours[4 * (size_t)order[fetched]]);
+    uint32_t states = 0;
+    const size_t arc_count = list_arcs(neighbours, state, &order[out], size, arcs, &states);
+    /* An arc's target is not out yet, so the queue has room for it. */
+    for (size_t i = 0; i < arc_count; i++) {
+      const uint32_t target = arcs[i];
+      const uint8_t left = (uint8_t)(state[target] - SORT_PENDING);
+      state[target] = left;
+      order[count] = target;
+      count += (left & SORT_PENDING_MASK) == 0;
     }
-  }
-  for (; out < count; out++) {
-    const uint32_t tet = order[out];
-    for (size_t k = 0; k < 4; k++) {
-      if (!(state[tet] >> k & 1)) continue;
-      const uint32_t next = neighbours[4 * (size_t)tet + k];
-      state[next] = (uint8_t)(state[next] - SORT_PENDING);
-      if ((state[next] & SORT_PENDING_MASK) == 0) order[count++] = next;
-    }
-    if (state[tet] & SORT_HAS_GAP_ARCS) count = follow_gap_arcs(sorter, tet, order, count);
+    if (states & SORT_HAS_GAP_ARCS)
+      for (size_t i = 0; i < size; i++)
+        if (state[order[out + i]] & SORT_HAS_GAP_ARCS) count = follow_gap_arcs(sorter, order[out + i], order, count);
+    out += size;
   }
   return count;
 }

@@ -28,6 +28,14 @@ static cellist_result check_tet(cellist_context *context, const cellist_sorter_d
   return CELLIST_SUCCESS;
 }
 
+/* The face that they share turns one way seen from outside the one and the other way seen from outside the other. */
+static bool are_on_two_sides(const cellist_sorter_desc *mesh, uint32_t tet, uint32_t k, uint32_t other, uint32_t back) {
+  const uint32_t *v = &mesh->tets[4 * (size_t)tet], *w = &mesh->tets[4 * (size_t)other];
+  uint32_t at = 0;
+  while (at < 2 && w[SORT_TET_FACE[back][at]] != v[SORT_TET_FACE[k][0]]) at++;
+  return w[SORT_TET_FACE[back][(at + 2) % 3]] == v[SORT_TET_FACE[k][1]];
+}
+
 static cellist_result check_neighbours(cellist_context *context, const cellist_sorter_desc *mesh, uint32_t tet) {
   for (uint32_t k = 0; k < 4; k++) {
     const uint32_t other = mesh->neighbours[4 * (size_t)tet + k];
@@ -40,6 +48,9 @@ static cellist_result check_neighbours(cellist_context *context, const cellist_s
       return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
                           "tet %u has tet %u as its neighbour across a face that tet %u does not know", tet, other,
                           other);
+    if (!are_on_two_sides(mesh, tet, k, other, back))
+      return cellist_fail(context, CELLIST_ERROR_GEOMETRY, "tets %u and %u are neighbours on the same side of a face",
+                          tet, other);
   }
   return CELLIST_SUCCESS;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Signs: every kernel gives the same bits, and states are those that exact predicates give. */
+#include "../../sort/arcs.h"
 #include "../../sort/signs/signs.h"
 
 #include "scene.h"
@@ -24,6 +25,36 @@ TEST(kernels_agree_bit_by_bit)
     sort_signs_avx2(planes, inner, eye, doubt, GROUPS, states[1], undecided[1]);
     assert_memory_equal(states[0], states[1], sizeof states[0]);
     assert_memory_equal(undecided[0], undecided[1], sizeof undecided[0]);
+  }
+}
+
+TEST(arc_kernels_agree_and_list_the_faces_in_front)
+{
+  if (!sort_has_avx2()) SKIP("this machine has no AVX2");
+  enum { TETS = 1000, BATCH = 64 };
+  random_state random = {12};
+  uint32_t neighbours[4 * TETS], tets[BATCH], arcs[2][4 * BATCH + 4], seen[2];
+  uint8_t cell_states[TETS];
+  for (int i = 0; i < 4 * TETS; i++) neighbours[i] = random_below(&random, 9) == 0 ? CELLIST_NONE : (uint32_t)i;
+  for (int i = 0; i < TETS; i++) cell_states[i] = (uint8_t)random_bits(&random);
+  for (int round = 0; round < 300; round++) {
+    const size_t count = random_below(&random, BATCH + 1);
+    for (size_t i = 0; i < count; i++) tets[i] = (uint32_t)random_below(&random, TETS);
+    const size_t arc_count = sort_list_arcs_portable(neighbours, cell_states, tets, count, arcs[0], &seen[0]);
+    assert_int_equal(sort_list_arcs_avx2(neighbours, cell_states, tets, count, arcs[1], &seen[1]), arc_count);
+    assert_int_equal(seen[0], seen[1]);
+    size_t expected = 0;
+    uint32_t all = 0;
+    for (size_t i = 0; i < count; i++) {
+      all |= cell_states[tets[i]];
+      for (unsigned k = 0; k < 4; k++) {
+        if ((cell_states[tets[i]] >> k & 1) == 0) continue;
+        assert_int_equal(arcs[0][expected], neighbours[4 * tets[i] + k]);
+        assert_int_equal(arcs[1][expected++], neighbours[4 * tets[i] + k]);
+      }
+    }
+    assert_int_equal(expected, arc_count);
+    assert_int_equal(all, seen[0]);
   }
 }
 

@@ -63,8 +63,17 @@ TEST(bad_arrays_and_views_are_named)
   neighbours[6] = CELLIST_NONE;
   desc.neighbours = NULL;
   assert_failure(context, cellist_sorter_create(context, &desc, &sorter), invalid, "NULL");
-  assert_null(sorter);
   desc.neighbours = neighbours;
+  /* Tet 1 folded back onto tet 0's side of their face; its corners in an order that makes it positive. */
+  points[12] = points[13] = points[14] = 0.1;
+  tets[4] = 2;
+  tets[5] = 1;
+  assert_failure(context, cellist_sorter_create(context, &desc, &sorter), CELLIST_ERROR_GEOMETRY,
+                 "tets 0 and 1 are neighbours on the same side");
+  points[12] = points[13] = points[14] = 1;
+  tets[4] = 1;
+  tets[5] = 2;
+  assert_null(sorter);
   assert_success(context, cellist_sorter_create(context, &desc, &sorter));
   uint32_t order[2];
   cellist_viewpoint view = {{0, INFINITY, 0}, false};

@@ -53,7 +53,8 @@ typedef struct cellist_group {
 /* Makes a sorter.
  * Arrays: see cellist_sorter_desc; borrowed. *sorter is the caller's, for cellist_sorter_destroy.
  * Errors: INVALID_ARGUMENT (an array is NULL, a point id or neighbour out of range, neighbours that do not know each
- *   other), GEOMETRY (a coordinate that is not finite, a tet of negative volume), UNSUPPORTED (2^30 tets or more),
+ *   other), GEOMETRY (a coordinate that is not finite, a tet of negative volume, neighbours on the same
+ *   side of their face), UNSUPPORTED (2^30 tets or more),
  *   OUT_OF_MEMORY; the message names the tet.
  * Threads: one call per context at a time; the context must outlive the sorter.
  * Cost: linear. */
