@@ -9,7 +9,7 @@ cellist_result pipeline_make_gl(cellist_pipeline *pipeline) {
                                                 [CELLIST_BACKEND_OSMESA] = CELLIST_GL_OSMESA,
                                                 [CELLIST_BACKEND_EGL] = CELLIST_GL_EGL};
   const cellist_gl_desc desc = {.backend = backends[pipeline->desc.backend]};
-  cellist_result result = pipeline_make_sorter(pipeline);
+  cellist_result result = pipeline_make_order(pipeline);
   if (result == CELLIST_SUCCESS) result = cellist_gl_create(pipeline->context, &desc, &pipeline->gl);
   if (result == CELLIST_SUCCESS) result = cellist_gl_upload(pipeline->gl, pipeline->drawn, pipeline->drawn_scalar);
   return result;
@@ -24,8 +24,8 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model};
   cellist_gl_stats drawn;
   const double begin = pipeline_seconds();
-  result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order,
-                             cellist_mesh_get_arrays(pipeline->drawn)->tet_count, &settings, image, &drawn);
+  result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order, pipeline->order_count,
+                             &settings, image, &drawn);
   if (result != CELLIST_SUCCESS) return result;
   stats->draw_seconds = pipeline_seconds() - begin;
   stats->renderer = "faces";

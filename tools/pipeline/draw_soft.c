@@ -3,7 +3,7 @@
 #include "pipeline.h"
 
 cellist_result pipeline_make_soft(cellist_pipeline *pipeline) {
-  const cellist_result result = pipeline_make_sorter(pipeline);
+  const cellist_result result = pipeline_make_order(pipeline);
   if (result != CELLIST_SUCCESS) return result;
   return cellist_soft_create(pipeline->context, pipeline->drawn, pipeline->drawn_scalar, NULL, &pipeline->soft);
 }
@@ -12,17 +12,15 @@ cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_fram
                                   cellist_pipeline_stats *stats) {
   cellist_result result = pipeline_sort(pipeline, frame, stats);
   if (result != CELLIST_SUCCESS) return result;
-  const cellist_group *sorted = NULL;
-  size_t group_count = 0;
-  cellist_sorter_groups(pipeline->sorter, &sorted, &group_count);
-  cellist_soft_group *groups = cellist_allocate(pipeline->context, group_count, sizeof *groups);
+  cellist_soft_group *groups = cellist_allocate(pipeline->context, pipeline->group_count, sizeof *groups);
   if (groups == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
-  for (size_t i = 0; i < group_count; i++) groups[i] = (cellist_soft_group){sorted[i].begin, sorted[i].count};
+  for (size_t i = 0; i < pipeline->group_count; i++)
+    groups[i] = (cellist_soft_group){pipeline->groups[i].begin, pipeline->groups[i].count};
   const cellist_soft_settings settings = {.optics = pipeline->desc.optics.model,
                                           .order = pipeline->order,
-                                          .order_count = cellist_mesh_get_arrays(pipeline->drawn)->tet_count,
+                                          .order_count = pipeline->order_count,
                                           .groups = groups,
-                                          .group_count = group_count};
+                                          .group_count = pipeline->group_count};
   cellist_soft_stats drawn;
   const double begin = pipeline_seconds();
   result = cellist_soft_render(pipeline->soft, frame, &pipeline->transfer, &settings, image, &drawn);

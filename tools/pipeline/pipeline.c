@@ -39,10 +39,12 @@ static void warn_of_flaws(cellist_pipeline *pipeline, const char *source) {
       cellist_log(pipeline->context, CELLIST_LOG_WARNING, "%s: %zu %s", source, flaws[i].count, flaws[i].what);
 }
 
+/* The ray caster needs no order and no OpenGL, which in software is slower. */
+static cellist_renderer choose_renderer(const cellist_pipeline *pipeline) {
+  return pipeline->desc.renderer == CELLIST_RENDERER_AUTO ? CELLIST_RENDERER_CAST : pipeline->desc.renderer;
+}
+
 static cellist_result make_renderer(cellist_pipeline *pipeline) {
-  pipeline->renderer = pipeline->desc.renderer;
-  /* The ray caster needs no order and no OpenGL, which in software is slower. */
-  if (pipeline->renderer == CELLIST_RENDERER_AUTO) pipeline->renderer = CELLIST_RENDERER_CAST;
   switch (pipeline->renderer) {
     case CELLIST_RENDERER_FACES: return pipeline_make_gl(pipeline);
     case CELLIST_RENDERER_SOFT: return pipeline_make_soft(pipeline);
@@ -81,8 +83,10 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (result == CELLIST_SUCCESS) warn_of_flaws(created, desc->source != NULL ? desc->source : "mesh");
   if (result == CELLIST_SUCCESS) result = pipeline_load_transfer(created);
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
-  created->drawn = created->mesh;
-  created->drawn_scalar = &created->scalar;
+  if (result == CELLIST_SUCCESS) {
+    created->renderer = choose_renderer(created);
+    result = pipeline_plan(created);
+  }
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
   if (result == CELLIST_SUCCESS)
     *pipeline = created;
@@ -98,11 +102,15 @@ void cellist_pipeline_destroy(cellist_pipeline *pipeline) {
   cellist_gl_destroy(pipeline->gl);
 #endif
   cellist_deallocate(context, pipeline->order);
+  cellist_deallocate(context, pipeline->groups);
+  cellist_deallocate(context, pipeline->visible);
   cellist_deallocate(context, pipeline->isos);
   cellist_soft_destroy(pipeline->soft);
   cellist_sorter_destroy(pipeline->sorter);
   cellist_raycaster_destroy(pipeline->caster);
   cellist_transfer_release(context, &pipeline->transfer);
+  cellist_scalar_release(context, &pipeline->part_scalar);
+  cellist_mesh_destroy(pipeline->part);
   cellist_scalar_release(context, &pipeline->scalar);
   cellist_mesh_destroy(pipeline->loaded);
   cellist_deallocate(context, pipeline);
@@ -154,6 +162,7 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
   result = cellist_image_create(context, width, height, channels, pipeline->renderer == CELLIST_RENDERER_CAST ? 9 : 6,
                                 &created);
   if (result == CELLIST_SUCCESS) result = draw_frame(pipeline, &frame, created, &made);
+  if (result == CELLIST_SUCCESS) pipeline_note_plan(pipeline, &made);
   if (result == CELLIST_SUCCESS) result = describe(pipeline, &frame, &made, created);
   if (result != CELLIST_SUCCESS) {
     cellist_image_destroy(created);

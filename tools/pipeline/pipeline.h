@@ -18,6 +18,10 @@ struct cellist_pipeline {
   cellist_scalar scalar;
   const cellist_mesh *drawn;          /* what renderers get: the mesh, or those of its tets that can show something */
   const cellist_scalar *drawn_scalar; /* of drawn */
+  cellist_mesh *part;                 /* what drawn is if it is not the whole mesh; else NULL */
+  cellist_scalar part_scalar;
+  uint8_t *visible; /* [tets of the mesh] what stays in the order; NULL: all of drawn */
+  size_t visible_count;
   cellist_transfer transfer;
   cellist_pipeline_desc desc; /* its texts are not kept */
   cellist_renderer renderer;  /* never AUTO */
@@ -27,7 +31,10 @@ struct cellist_pipeline {
   cellist_raycaster *caster;
   cellist_soft *soft;
   cellist_sorter *sorter;
-  uint32_t *order; /* [tet_count] far to near */
+  uint32_t *order; /* [order_count] tets of drawn, far to near */
+  size_t order_count;
+  cellist_group *groups; /* [group_count] of the order */
+  size_t group_count, group_capacity;
 #ifdef CELLIST_HAS_GL
   cellist_gl *gl;
 #endif
@@ -39,7 +46,20 @@ double pipeline_seconds(void);
 /* The length of the bounds' diagonal. */
 double pipeline_diagonal(const cellist_pipeline *pipeline);
 
-/* plan.c: notes in stats that the picture did without something; the rest is for printf. */
+/* visible.c: marks the tets that can show something, and counts them. */
+cellist_result pipeline_find_visible(const cellist_pipeline *pipeline, uint8_t *visible, size_t *count);
+/* Marks also every tet that shares a point with a marked one. */
+cellist_result pipeline_grow_visible(const cellist_pipeline *pipeline, uint8_t *visible, size_t *count);
+
+/* plan.c: decides what is drawn; the renderer must have been chosen. */
+cellist_result pipeline_plan(cellist_pipeline *pipeline);
+/* Why the optics need no order, or NULL if they do. */
+const char *pipeline_order_free(const cellist_pipeline *pipeline);
+/* Takes invisible tets out of order and groups, if the plan says so. */
+void pipeline_filter_order(cellist_pipeline *pipeline);
+/* Notes what the plan left out; after the frame. */
+void pipeline_note_plan(const cellist_pipeline *pipeline, cellist_pipeline_stats *stats);
+/* Notes in stats that the picture did without something; the rest is for printf. */
 void pipeline_leave_out(cellist_pipeline_stats *stats, const char *what, const char *why, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -47,8 +67,8 @@ void pipeline_leave_out(cellist_pipeline_stats *stats, const char *what, const c
 cellist_result pipeline_load_transfer(cellist_pipeline *pipeline);
 cellist_result pipeline_keep_model(cellist_pipeline *pipeline);
 
-/* order.c: makes the sorter; sorts for the frame's eye into pipeline->order. */
-cellist_result pipeline_make_sorter(cellist_pipeline *pipeline);
+/* order.c: makes the sorter, if the optics need an order; fills order and groups for the frame's eye. */
+cellist_result pipeline_make_order(cellist_pipeline *pipeline);
 cellist_result pipeline_sort(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_pipeline_stats *stats);
 
 /* One file a renderer: makes it ready; draws a frame and fills in stats. */
