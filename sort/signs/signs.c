@@ -4,8 +4,8 @@
  * A plane and an eye are four numbers each, whose product's sign is the answer. Both are scaled to a length just below
  * 2^15 and rounded: then the product is exact in 32 bits, and off by less than half the sum of all eight numbers'
  * magnitudes. What lies within that is decided by orient3d on the points as given: one face in ten thousand from a
- * general viewpoint, and many where an axis-aligned view looks along a regular grid's planes; for these a
- * quick test finds most exact zeros. */
+ * general viewpoint. Where a parallel view along an axis looks along a regular grid's planes there would be two a tet;
+ * these are known from the start, as faces whose normal has a coordinate that is exactly 0. */
 #include "signs.h"
 
 #include <math.h>
@@ -47,10 +47,8 @@ static void quantise(const double numbers[4], int16_t out[4]) {
   for (int k = 0; k < 4; k++) out[k] = (int16_t)lrint(numbers[k] / largest * scale);
 }
 
-static void quantise_face(const sort_cells *cells, const sort_planes *planes, size_t cell, uint32_t k, int16_t out[4]) {
-  const double *p[3];
-  sort_cell_face(cells, cell, k, p);
-  const double *a = p[0], *b = p[1], *c = p[2];
+static void quantise_face(const sort_planes *planes, const double *a, const double *b, const double *c,
+                          int16_t out[4]) {
   double u[3], w[3], numbers[4] = {0, 0, 0, 0}, u_sum = 0, w_sum = 0, length = 0;
   for (int i = 0; i < 3; i++) {
     u[i] = (b[i] - a[i]) / planes->radius;
@@ -68,22 +66,52 @@ static void quantise_face(const sort_cells *cells, const sort_planes *planes, si
   quantise(numbers, out);
 }
 
+/* Is a - b exactly `difference`? (Knuth's two-sum.) */
+static bool is_exact(double a, double b, double difference) {
+  const double b_back = a - difference, a_back = difference + b_back;
+  return (a - a_back) + (b_back - b) == 0;
+}
+
+/* Are the two products certainly equal? Their factors are exact. */
+static bool are_equal(double a, double b, double c, double d) {
+  const double left = a * b, right = c * d;
+  if (left != right) return false;
+  if (left == 0) return (a == 0 || b == 0) && (c == 0 || d == 0); /* not by underflow */
+  return fabs(left) > 1e-250 && fma(a, b, -left) == fma(c, d, -right);
+}
+
+/* True only if coordinate k of the normal of a, b, c is exactly 0, for a reason that is quick to see: seen along axis k
+ * two of the points are one, or all three stand in one row or column, or their line is found without rounding. */
+static bool is_level(const double *a, const double *b, const double *c, int k) {
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  const bool ab_i = a[i] == b[i], ab_j = a[j] == b[j], ac_i = a[i] == c[i], ac_j = a[j] == c[j];
+  if ((ab_i && ab_j) || (ac_i && ac_j) || (b[i] == c[i] && b[j] == c[j])) return true;
+  if ((ab_i && ac_i) || (ab_j && ac_j)) return true;
+  const double u_i = b[i] - a[i], u_j = b[j] - a[j], w_i = c[i] - a[i], w_j = c[j] - a[j];
+  return are_equal(u_i, w_j, u_j, w_i) && is_exact(b[i], a[i], u_i) && is_exact(b[j], a[j], u_j) &&
+         is_exact(c[i], a[i], w_i) && is_exact(c[j], a[j], w_j);
+}
+
 static void quantise_range(void *user, size_t begin, size_t end, unsigned worker) {
   (void)worker;
   struct job *job = user;
   for (size_t group = begin; group < end; group++) {
     int16_t *out = &job->planes->planes[64 * group];
-    uint32_t inner = 0;
+    uint32_t inner = 0, level[3] = {0, 0, 0};
     memset(out, 0, 64 * sizeof *out);
     for (size_t i = 0; i < 4 && 4 * group + i < job->cells->count; i++) {
       const size_t cell = 4 * group + i;
       for (uint32_t k = 0; k < 4; k++) {
         if (job->cells->neighbours[4 * cell + k] == CELLIST_NONE) continue;
+        const double *p[3];
+        sort_cell_face(job->cells, cell, k, p);
         inner |= 1u << (4 * i + k);
-        quantise_face(job->cells, job->planes, cell, k, &out[16 * i + 4 * k]);
+        for (int c = 0; c < 3; c++) level[c] |= (uint32_t)is_level(p[0], p[1], p[2], c) << (4 * i + k);
+        quantise_face(job->planes, p[0], p[1], p[2], &out[16 * i + 4 * k]);
       }
     }
     job->planes->inner[group] = (uint16_t)inner;
+    for (int c = 0; c < 3; c++) job->planes->level[c][group] = (uint16_t)level[c];
   }
 }
 
@@ -93,6 +121,10 @@ cellist_result sort_planes_create(cellist_context *context, const sort_cells *ce
   planes->planes = cellist_allocate(context, planes->group_count, 64 * sizeof *planes->planes);
   planes->inner = cellist_allocate(context, planes->group_count, sizeof *planes->inner);
   if (planes->planes == NULL || planes->inner == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (int k = 0; k < 3; k++) {
+    planes->level[k] = cellist_allocate(context, planes->group_count, sizeof *planes->level[k]);
+    if (planes->level[k] == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  }
   double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for (size_t i = 0; i < 4 * cells->tet_count; i++) {
     const double *p = &cells->points[3 * (size_t)cells->tets[i]];
@@ -113,37 +145,15 @@ cellist_result sort_planes_create(cellist_context *context, const sort_cells *ce
 void sort_planes_release(cellist_context *context, sort_planes *planes) {
   cellist_deallocate(context, planes->planes);
   cellist_deallocate(context, planes->inner);
+  for (int k = 0; k < 3; k++) cellist_deallocate(context, planes->level[k]);
   *planes = (sort_planes){0};
 }
 
-/* Is a - b exactly `difference`? (Knuth's two-sum.) */
-static bool is_exact(double a, double b, double difference) {
-  const double b_back = a - difference, a_back = difference + b_back;
-  return (a - a_back) + (b_back - b) == 0;
-}
-
-/* Are the two products certainly equal? Their factors are exact. */
-static bool are_equal(double a, double b, double c, double d) {
-  const double left = a * b, right = c * d;
-  if (left != right) return false;
-  if (left == 0) return (a == 0 || b == 0) && (c == 0 || d == 0); /* not by underflow */
-  return fabs(left) > 1e-250 && fma(a, b, -left) == fma(c, d, -right);
-}
-
 /* True only if the eye lies exactly in the plane of a, b, c, for a reason that is quick to see: in each coordinate, the
- * eye is level with a or the normal is 0. That finds the ties of views along a regular grid's planes. */
+ * eye is level with a or the normal is 0. */
 static bool is_in_plane(const sort_eye *eye, const double *a, const double *b, const double *c) {
-  double u[3], w[3];
-  for (int k = 0; k < 3; k++) {
-    u[k] = b[k] - a[k];
-    w[k] = c[k] - a[k];
-    if (!is_exact(b[k], a[k], u[k]) || !is_exact(c[k], a[k], w[k])) return false;
-  }
-  for (int k = 0; k < 3; k++) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    if (eye->parallel ? eye->at[k] == 0 : eye->at[k] == a[k]) continue;
-    if (!are_equal(u[i], w[j], u[j], w[i])) return false;
-  }
+  for (int k = 0; k < 3; k++)
+    if (!(eye->parallel ? eye->at[k] == 0 : eye->at[k] == a[k]) && !is_level(a, b, c, k)) return false;
   return true;
 }
 
@@ -155,6 +165,19 @@ static void decide(const struct job *job, size_t cell, uint32_t k) {
   job->states[cell] = (uint8_t)(job->states[cell] + (side > 0 ? 1 << k : side < 0 ? 16 : 0));
 }
 
+/* Faces in whose planes a parallel view's eye lies, since each coordinate is 0 in its direction or in their normals. */
+static void drop_faces_along_the_view(const struct job *job, size_t begin, size_t end, uint16_t *undecided) {
+  static const uint16_t all = UINT16_MAX;
+  const uint16_t *level[3];
+  size_t step[3];
+  for (int k = 0; k < 3; k++) {
+    step[k] = job->eye->at[k] != 0;
+    level[k] = step[k] ? &job->planes->level[k][begin] : &all;
+  }
+  for (size_t i = 0; i < end - begin; i++)
+    undecided[i] &= (uint16_t) ~(level[0][i * step[0]] & level[1][i * step[1]] & level[2][i * step[2]]);
+}
+
 static void find_range(void *user, size_t begin, size_t end, unsigned worker) {
   (void)worker;
   struct job *job = user;
@@ -163,6 +186,7 @@ static void find_range(void *user, size_t begin, size_t end, unsigned worker) {
   planes->kernel(&planes->planes[64 * begin], &planes->inner[begin], job->eye_numbers, job->doubt, end - begin,
                  &job->states[4 * begin], undecided);
   size_t count = 0;
+  if (job->eye->parallel) drop_faces_along_the_view(job, begin, end, undecided);
   for (size_t i = 0; i < end - begin; i++) {
     for (uint32_t left = undecided[i]; left != 0; left &= left - 1) {
       const uint32_t bit = (uint32_t)__builtin_ctz(left);

@@ -10,7 +10,9 @@
 typedef struct sort_planes {
   size_t group_count; /* of four tets */
   int16_t *planes;    /* [64 group_count] */
-  uint16_t *inner;    /* [group_count] */
+  uint16_t *inner;    /* [group_count] bits as the kernel's */
+  uint16_t
+      *level[3]; /* [group_count] bits as inner: coordinate 0, 1, 2 of the face's normal is known to be exactly 0 */
   double centre[3], radius;
   sort_sign_kernel kernel;
 } sort_planes;
