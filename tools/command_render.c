@@ -8,16 +8,9 @@
 #include "command.h"
 #include "mesh_options.h"
 #include "optics_options.h"
+#include "render_report.h"
 #include "terminal.h"
 #include "view_options.h"
-
-struct render_options {
-  text_list outputs;
-  const char *renderer, *backend, *precision, *tets;
-  unsigned size[2], frames, turntable, threads;
-  number_list background;
-  bool json;
-};
 
 /* Medians and counts over the frames drawn. */
 struct tally {
@@ -45,6 +38,7 @@ static bool picture_name(const char *pattern, unsigned index, char *name, size_t
 
 static const char *check_options(const struct render_options *options) {
   if (options->outputs.count == 0) return "-o IMAGE is missing";
+  if (options->explain && options->no_plan) return "--explain and --no-plan exclude each other";
   for (size_t i = 0; i < options->outputs.count; i++) {
     const char *name = options->outputs.value[i];
     char expanded[4096];
@@ -93,63 +87,25 @@ static cellist_result draw_all(cellist_context *context, const struct render_opt
   return cellist_progress(context, "drawing", 1);
 }
 
-static int report_json(const struct render_options *options, const cellist_pipeline *pipeline,
-                       const cellist_pipeline_stats *stats, double sort, double draw, double total) {
-  json_t *left_out = json_array();
-  for (size_t i = 0; i < stats->left_out_count; i++)
-    json_array_append_new(left_out, json_string(stats->left_out[i].what));
-  json_t *seconds = json_pack("{s:f, s:f, s:f, s:f, s:f}", "load", stats->load_seconds, "convexify",
-                              stats->convexify_seconds, "sort", sort, "draw", draw, "total", total);
-  json_t *object = json_object();
-  json_object_set_new(object, "renderer", json_string(stats->renderer));
-  json_object_set_new(object, "width", json_integer(options->size[0]));
-  json_object_set_new(object, "height", json_integer(options->size[1]));
-  json_object_set_new(object, "frames", json_integer(options->turntable > 0 ? options->turntable : options->frames));
-  json_object_set_new(object, "seconds", seconds);
-  json_object_set_new(object, "fragments", json_integer((json_int_t)stats->fragments));
-  json_object_set_new(object, "left_out", left_out);
-  json_object_set_new(object, "opacity_convention", json_string(stats->convention));
-  json_object_set_new(object, "tf_entries", json_integer((json_int_t)stats->transfer_knots));
-  json_object_set_new(object, "order", json_string(stats->order));
-  json_object_set_new(object, "groups", json_integer((json_int_t)stats->group_count));
-  json_object_set_new(object, "cells_in_groups", json_integer((json_int_t)stats->cells_in_groups));
-  json_object_set_new(object, "integration", json_string(stats->method));
-  json_object_set_new(object, "precision", json_string(stats->precision));
-  json_object_set_new(object, "error_bound", terminal_number(stats->error_bound));
-  json_object_set_new(object, "context", json_string(stats->backend));
-  json_object_set_new(object, "cells",
-                      json_integer((json_int_t)cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->tet_count));
-  json_object_set_new(object, "scalar", terminal_text(cellist_pipeline_scalar(pipeline)->name));
-  json_object_set_new(object, "unit_distance", terminal_number(stats->unit_distance));
-  return terminal_print_json(object);
-}
-
-static int report_text(const struct render_options *options, const char *mesh_name, const cellist_pipeline *pipeline,
-                       const cellist_pipeline_stats *stats, double sort, double draw, double total) {
-  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline));
-  const cellist_scalar *scalar = cellist_pipeline_scalar(pipeline);
-  FILE *to = stdout;
-  for (size_t i = 0; i < options->outputs.count; i++) {
-    if (strcmp(options->outputs.value[i], "-") == 0)
-      to = stderr;
-    else if (options->turntable == 0)
-      fprintf(to, "wrote %s\n", options->outputs.value[i]);
-    else
-      fprintf(to, "wrote %s, %u pictures\n", options->outputs.value[i], options->turntable);
-  }
-  fprintf(to, "%s: %zu tets, scalar %s (%s) from %g to %g, unit distance %g (%s)\n", mesh_name, arrays->tet_count,
-          scalar->name, scalar->association == CELLIST_ON_POINTS ? "points" : "cells", scalar->minimum, scalar->maximum,
-          stats->unit_distance, stats->convention);
-  fprintf(to, "drawn by %s (%s, %s precision, context %s), order: %s, %ux%u pixels, %llu segments\n", stats->renderer,
-          stats->method, stats->precision, stats->backend, stats->order, options->size[0], options->size[1],
-          (unsigned long long)stats->fragments);
-  fprintf(to, "seconds: load %.3f, convexify %.3f, sort %.4f, draw %.4f, total %.3f\n", stats->load_seconds,
-          stats->convexify_seconds, sort, draw, total);
-  return terminal_finish();
+/* The same view with everything that the plan leaves out, for its times. */
+static cellist_result draw_without_plan(cellist_context *context, const cellist_pipeline_desc *desc,
+                                        const cellist_mesh *mesh, const struct render_options *options,
+                                        const cellist_view *view, cellist_pipeline_stats *stats) {
+  cellist_pipeline_desc everything = *desc;
+  everything.mesh = mesh;
+  everything.no_plan = true;
+  cellist_pipeline *pipeline = NULL;
+  cellist_image *image = NULL;
+  cellist_result result = cellist_pipeline_create(context, &everything, &pipeline);
+  if (result == CELLIST_SUCCESS)
+    result = cellist_pipeline_draw(pipeline, view, options->size[0], options->size[1], &image, stats);
+  cellist_image_destroy(image);
+  cellist_pipeline_destroy(pipeline);
+  return result;
 }
 
 static cellist_pipeline_desc pipeline_desc(const struct render_options *options, const char *source) {
-  cellist_pipeline_desc desc = {.source = source};
+  cellist_pipeline_desc desc = {.source = source, .no_plan = options->no_plan};
   if (strcmp(options->renderer, "faces") == 0) desc.renderer = CELLIST_RENDERER_FACES;
   if (strcmp(options->renderer, "soft") == 0) desc.renderer = CELLIST_RENDERER_SOFT;
   if (strcmp(options->renderer, "cast") == 0) desc.renderer = CELLIST_RENDERER_CAST;
@@ -187,6 +143,9 @@ int command_render(int argc, char **argv) {
       {"frames", "N", "draw N times; times are medians (1)", OPTION_COUNT, &options.frames},
       {"turntable", "N", "N pictures of a full turn, -o a%04d.png", OPTION_COUNT, &options.turntable},
       {"threads", "N", "threads to use (one per processor)", OPTION_COUNT, &options.threads},
+      {"explain", "", "say what the scene did not need, and what leaving it out saved (draws a frame without the plan)",
+       OPTION_FLAG, &options.explain},
+      {"no-plan", "", "do everything, also what the scene does not need", OPTION_FLAG, &options.no_plan},
       {"json", "", "print what was done as one JSON object", OPTION_FLAG, &options.json},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
@@ -228,14 +187,22 @@ int command_render(int argc, char **argv) {
     view_options_resolve(&camera, cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->bounds, &view);
     result = draw_all(context, &options, &view, pipeline, &tally, &stats);
   }
+  cellist_pipeline_stats full = {0};
+  if (result == CELLIST_SUCCESS && options.explain)
+    result = draw_without_plan(context, &desc, cellist_pipeline_mesh(pipeline), &options, &view, &full);
   int status = 0;
   if (result != CELLIST_SUCCESS) {
     status = terminal_failure(context, result);
   } else {
-    const double total = terminal_seconds() - begin;
-    const double sort = terminal_median(tally.sort, tally.count), draw = terminal_median(tally.draw, tally.count);
-    status = options.json ? report_json(&options, pipeline, &stats, sort, draw, total)
-                          : report_text(&options, argv[1], pipeline, &stats, sort, draw, total);
+    const struct render_outcome outcome = {.options = &options,
+                                           .mesh_name = argv[1],
+                                           .pipeline = pipeline,
+                                           .stats = stats,
+                                           .sort = terminal_median(tally.sort, tally.count),
+                                           .draw = terminal_median(tally.draw, tally.count),
+                                           .total = terminal_seconds() - begin,
+                                           .full = options.explain ? &full : NULL};
+    status = options.json ? render_report_json(&outcome) : render_report_text(&outcome);
   }
   free(tally.sort);
   free(tally.draw);

@@ -128,6 +128,20 @@ case_render_writes_pictures_and_json() {
   [ "$(head -c 4 out | od -An -tx1 | tr -d ' \n')" = 762f3101 ] || fail "standard output is not EXR"
 }
 
+case_explain_says_what_was_left_out() {
+  expect 0 render sample:torus -o a.exr --renderer soft --tf spikes --explain --json --size 64x64
+  json "[p['what'] for p in j['plan']] == j['left_out'] and all(p['why'] for p in j['plan'])"
+  json "'invisible cells' in j['left_out'] and 0 < j['visible_cells'] < j['cells']"
+  json "all(k in j['seconds_without_plan'] for k in ('load', 'convexify', 'prepare', 'sort', 'draw', 'total'))"
+  expect 0 render sample:torus -o b.exr --renderer soft --tf spikes --no-plan --json --size 64x64
+  json "'invisible cells' not in j['left_out'] and j['visible_cells'] == j['cells'] and 'plan' not in j"
+  expect 0 compare a.exr b.exr --json
+  json "j['max_abs'] <= 1e-5 and j['covered_pixels'] > 100"
+  expect 0 render sample:torus -o a.png --renderer soft --model absorption --explain --size 64x64
+  grep -q "no sort  *absorption alone commutes" out || fail "no explanation"
+  expect 2 render sample:torus -o a.png --explain --no-plan
+}
+
 case_contexts_and_renderers_agree() {
   needs_opengl
   for source in sample:grid sample:ball; do

@@ -81,6 +81,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
     result = cellist_scalar_select(context, created->mesh, desc->optics.scalar, &created->scalar);
   created->load_seconds = pipeline_seconds() - begin;
   if (result == CELLIST_SUCCESS) warn_of_flaws(created, desc->source != NULL ? desc->source : "mesh");
+  const double loaded = pipeline_seconds();
   if (result == CELLIST_SUCCESS) result = pipeline_load_transfer(created);
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
   if (result == CELLIST_SUCCESS) {
@@ -88,6 +89,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
     result = pipeline_plan(created);
   }
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
+  created->prepare_seconds = pipeline_seconds() - loaded;
   if (result == CELLIST_SUCCESS)
     *pipeline = created;
   else
@@ -156,6 +158,7 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
   static const char *const channels[] = {"R", "G", "B", "A", "Z", "ZBack", "transmittance.Y", "cells.Y", "segments.Y"};
   cellist_image *created = NULL;
   cellist_pipeline_stats made = {.load_seconds = pipeline->load_seconds,
+                                 .prepare_seconds = pipeline->prepare_seconds,
                                  .transfer_knots = pipeline->transfer.knot_count,
                                  .unit_distance = pipeline->unit_distance};
   made.convention = pipeline->desc.optics.convention == CELLIST_OPACITY_IMAGE ? "image" : "unstructured";

@@ -27,7 +27,7 @@ struct cellist_pipeline {
   cellist_renderer renderer;  /* never AUTO */
   cellist_isosurface *isos;   /* the pipeline's copy, which desc refers to */
   double unit_distance;
-  double load_seconds;
+  double load_seconds, prepare_seconds;
   cellist_raycaster *caster;
   cellist_soft *soft;
   cellist_sorter *sorter;

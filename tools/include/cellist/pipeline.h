@@ -74,6 +74,7 @@ enum { CELLIST_LEFT_OUT_LIMIT = 12 };
 typedef struct cellist_pipeline_stats {
   double load_seconds;                     /* once: read, adjacency, Hilbert order */
   double convexify_seconds;                /* once; 0 if nothing was convexified */
+  double prepare_seconds;                  /* once: the plan, what the renderer keeps, without convexify_seconds */
   double sort_seconds, draw_seconds;       /* of the last picture */
   const char *renderer, *method, *backend; /* what was used; backend is "none" without OpenGL */
   const char *precision;                   /* "fast" (single precision) or "reference" */
