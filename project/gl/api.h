@@ -13,6 +13,7 @@
   X(BeginQuery, PFNGLBEGINQUERYPROC)                           \
   X(BindAttribLocation, PFNGLBINDATTRIBLOCATIONPROC)           \
   X(BindBuffer, PFNGLBINDBUFFERPROC)                           \
+  X(BindBufferBase, PFNGLBINDBUFFERBASEPROC)                   \
   X(BindFragDataLocation, PFNGLBINDFRAGDATALOCATIONPROC)       \
   X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)                 \
   X(BindRenderbuffer, PFNGLBINDRENDERBUFFERPROC)               \
@@ -21,8 +22,10 @@
   X(BlendEquationi, PFNGLBLENDEQUATIONIPROC)                   \
   X(BlendFuncSeparatei, PFNGLBLENDFUNCSEPARATEIPROC)           \
   X(BufferData, PFNGLBUFFERDATAPROC)                           \
+  X(BufferSubData, PFNGLBUFFERSUBDATAPROC)                     \
   X(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC)   \
   X(ClearBufferfv, PFNGLCLEARBUFFERFVPROC)                     \
+  X(ColorMask, PFNGLCOLORMASKPROC)                             \
   X(CompileShader, PFNGLCOMPILESHADERPROC)                     \
   X(CreateProgram, PFNGLCREATEPROGRAMPROC)                     \
   X(CreateShader, PFNGLCREATESHADERPROC)                       \
@@ -34,19 +37,22 @@
   X(DeleteShader, PFNGLDELETESHADERPROC)                       \
   X(DeleteTextures, PFNGLDELETETEXTURESPROC)                   \
   X(DeleteVertexArrays, PFNGLDELETEVERTEXARRAYSPROC)           \
+  X(DepthFunc, PFNGLDEPTHFUNCPROC)                             \
   X(Disable, PFNGLDISABLEPROC)                                 \
+  X(DrawArrays, PFNGLDRAWARRAYSPROC)                           \
   X(DrawBuffers, PFNGLDRAWBUFFERSPROC)                         \
-  X(MultiDrawArrays, PFNGLMULTIDRAWARRAYSPROC)                 \
   X(Enable, PFNGLENABLEPROC)                                   \
   X(EnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC) \
   X(EndQuery, PFNGLENDQUERYPROC)                               \
   X(FramebufferRenderbuffer, PFNGLFRAMEBUFFERRENDERBUFFERPROC) \
+  X(FramebufferTexture2D, PFNGLFRAMEBUFFERTEXTURE2DPROC)       \
   X(GenBuffers, PFNGLGENBUFFERSPROC)                           \
   X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC)                 \
   X(GenQueries, PFNGLGENQUERIESPROC)                           \
   X(GenRenderbuffers, PFNGLGENRENDERBUFFERSPROC)               \
   X(GenTextures, PFNGLGENTEXTURESPROC)                         \
   X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)                 \
+  X(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC)               \
   X(GetError, PFNGLGETERRORPROC)                               \
   X(GetIntegerv, PFNGLGETINTEGERVPROC)                         \
   X(GetProgramInfoLog, PFNGLGETPROGRAMINFOLOGPROC)             \
@@ -58,10 +64,12 @@
   X(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC)           \
   X(LinkProgram, PFNGLLINKPROGRAMPROC)                         \
   X(MapBufferRange, PFNGLMAPBUFFERRANGEPROC)                   \
+  X(MultiDrawArrays, PFNGLMULTIDRAWARRAYSPROC)                 \
   X(PixelStorei, PFNGLPIXELSTOREIPROC)                         \
   X(ReadBuffer, PFNGLREADBUFFERPROC)                           \
   X(ReadPixels, PFNGLREADPIXELSPROC)                           \
   X(RenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC)         \
+  X(Scissor, PFNGLSCISSORPROC)                                 \
   X(ShaderSource, PFNGLSHADERSOURCEPROC)                       \
   X(TexBuffer, PFNGLTEXBUFFERPROC)                             \
   X(TexImage2D, PFNGLTEXIMAGE2DPROC)                           \
@@ -77,9 +85,15 @@
   X(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)         \
   X(Viewport, PFNGLVIEWPORTPROC)
 
+/* Entry points of OpenGL 4.3: NULL below it. */
+#define GL_API_LIST_43(X)                      \
+  X(ClearBufferData, PFNGLCLEARBUFFERDATAPROC) \
+  X(MemoryBarrier, PFNGLMEMORYBARRIERPROC)
+
 typedef struct gl_api {
 #define GL_API_MEMBER(name, type) type name;
   GL_API_LIST(GL_API_MEMBER)
+  GL_API_LIST_43(GL_API_MEMBER)
 #undef GL_API_MEMBER
 } gl_api;
 

@@ -304,34 +304,58 @@ static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, fl
 struct job {
   const gl_cells *cells;
   const uint32_t *order;
+  gl_piece *pieces;
   const gl_cells_output *output;
-  gl_cells_count *counts;
 };
 
-static void prepare_range(void *user, size_t begin, size_t end, unsigned worker) {
-  (void)worker;
-  const struct job *job = user;
+static void widen(gl_piece *piece, const gl_corner *corners, int count) {
+  for (int i = 0; i < count; i++) {
+    const float at[2] = {corners[i].x, corners[i].y};
+    for (int k = 0; k < 2; k++) {
+      piece->low[k] = fminf(piece->low[k], at[k]);
+      piece->high[k] = fmaxf(piece->high[k], at[k]);
+    }
+  }
+}
+
+static void prepare_piece(const struct job *job, gl_piece *piece) {
+  static const float nothing[GL_RECORD_FLOATS] = {0, 0, 1, 0}; /* the last interval lies before the first one */
   const gl_cells_output *output = job->output;
-  gl_corner *corners = output->corners + 3 * GL_CELLS_TRIANGLES * begin;
-  gl_cells_count count = {0, 0};
-  for (size_t i = begin; i < end; i++) {
+  gl_corner *corners = output->corners + (size_t)3 * GL_CELLS_TRIANGLES * piece->begin;
+  piece->corner_count = piece->cell_count = 0;
+  for (int k = 0; k < 2; k++) {
+    piece->low[k] = 1;
+    piece->high[k] = -1;
+  }
+  for (size_t i = piece->begin; i < piece->begin + piece->count; i++) {
     /* copied as a whole: the buffers may be write-combined memory */
     float record[GL_RECORD_FLOATS], lights[GL_LIGHT_FLOATS];
     gl_corner made[3 * GL_CELLS_TRIANGLES];
     const int made_count =
         prepare_cell(job->cells, job->order[i], (float)i, record, output->lights != NULL ? lights : NULL, made);
+    if (piece->is_group) {
+      const gl_extra extra = {.first_record = (float)piece->begin, .member_count = (float)piece->count};
+      memcpy(&output->extras[i], &extra, sizeof extra);
+      if (made_count == 0) memcpy(output->records[i], nothing, sizeof nothing);
+    }
     if (made_count == 0) continue;
     memcpy(output->records[i], record, sizeof record);
     if (output->lights != NULL) memcpy(output->lights[i], lights, sizeof lights);
-    memcpy(corners + count.corners, made, (size_t)made_count * sizeof *made);
-    count.corners += (uint32_t)made_count;
-    count.cells++;
+    memcpy(corners + piece->corner_count, made, (size_t)made_count * sizeof *made);
+    widen(piece, made, made_count);
+    piece->corner_count += (uint32_t)made_count;
+    piece->cell_count++;
   }
-  job->counts[begin / GL_CELLS_GRAIN] = count;
 }
 
-void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, size_t count, const gl_cells_output *output,
-                      gl_cells_count *counts) {
-  struct job job = {cells, order, output, counts};
-  cellist_parallel_for(cells->context, count, GL_CELLS_GRAIN, prepare_range, &job);
+static void prepare_pieces(void *user, size_t begin, size_t end, unsigned worker) {
+  (void)worker;
+  const struct job *job = user;
+  for (size_t i = begin; i < end; i++) prepare_piece(job, &job->pieces[i]);
+}
+
+void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, gl_piece *pieces, size_t piece_count,
+                      const gl_cells_output *output) {
+  struct job job = {cells, order, pieces, output};
+  cellist_parallel_for(cells->context, piece_count, 1, prepare_pieces, &job);
 }

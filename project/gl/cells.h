@@ -12,7 +12,7 @@
 
 enum {
   GL_RECORD_FLOATS = 28, /* seven texels a cell, see faces.frag */
-  GL_CELLS_GRAIN = 1024, /* cells that are prepared and drawn together */
+  GL_CELLS_GRAIN = 1024, /* cells of a piece, at most */
   GL_CELLS_TRIANGLES = 2 /* at most, of a cell */
 };
 
@@ -41,11 +41,27 @@ typedef struct gl_cells {
   uint8_t *outside;     /* [point_count] OUTSIDE bits of cells.c */
 } gl_cells;
 
+/* Part of an order that is prepared and drawn together: cells from far to near, or a small group. */
+typedef struct gl_piece {
+  uint32_t begin, count; /* of the order that is prepared */
+  bool is_group;
+  /* Filled in by gl_cells_prepare: corners of triangles, cells that show something, and where (-1..1). */
+  uint32_t corner_count, cell_count;
+  float low[2], high[2];
+} gl_piece;
+
+/* What some records have beside them; extras.x of records that are not in a small group is not written. */
+typedef struct gl_extra {
+  float unused[12];
+  float first_record, member_count, zero[2]; /* of the small group */
+} gl_extra;
+
 /* What gl_cells_prepare writes, one entry a cell of the order. */
 typedef struct gl_cells_output {
   float (*records)[GL_RECORD_FLOATS];
   float (*lights)[GL_LIGHT_FLOATS]; /* if the light has gradients at points; else NULL */
-  gl_corner *corners;               /* three for each of GL_CELLS_TRIANGLES triangles */
+  gl_extra *extras;
+  gl_corner *corners; /* three for each of GL_CELLS_TRIANGLES triangles */
 } gl_cells_output;
 
 cellist_result gl_cells_mesh_make(cellist_context *context, const cellist_mesh *mesh, const cellist_scalar *scalar,
@@ -58,13 +74,10 @@ cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mes
                               const gl_intervals *intervals, const gl_light *light, double margin, gl_cells *cells);
 void gl_cells_release(gl_cells *cells);
 
-/* Prepares the tets order[0..count): record i is that of order[i], if it shows anything. The triangles of the cells
- * that start at a multiple g of the grain go to output->corners + 3 GL_CELLS_TRIANGLES g; their numbers of corners and
- * of cells to counts[g / GL_CELLS_GRAIN]. */
-typedef struct gl_cells_count {
-  uint32_t corners, cells;
-} gl_cells_count;
-void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, size_t count, const gl_cells_output *output,
-                      gl_cells_count *counts);
+/* Prepares the pieces of order: record i is that of order[i], if it shows anything; in a group the others get one of
+ * which the last interval lies before the first one. The triangles of a piece that begins at b go to
+ * output->corners + 3 GL_CELLS_TRIANGLES b. */
+void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, gl_piece *pieces, size_t piece_count,
+                      const gl_cells_output *output);
 
 #endif

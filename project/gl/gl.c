@@ -1,57 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Renderer through OpenGL: context, mesh and frame. A frame goes through in chunks of cells: the processor's threads
- * write each cell's footprint and record straight into OpenGL's buffers, then the chunk is drawn. */
+ * Renderer through OpenGL: context, mesh and frame. A frame goes through in chunks of cells (batch.c); groups too large
+ * for a chunk's own program stand between them (groups.c). */
 #include <cellist/gl.h>
 #include <cellist/gradients.h>
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
-#include "cells.h"
-#include "context.h"
-#include "integrators.h"
-#include "program.h"
-#include "target.h"
-
-extern const char cellist_text_faces_vert[], cellist_text_faces_frag[];
-
-/* Cells a chunk: 184 bytes each (232 with gradients) then stay below 8 MB, and the chunks are few. */
-enum { CHUNK_CELLS = 32768, CHUNK_GRAINS = CHUNK_CELLS / GL_CELLS_GRAIN };
-
-/* A program for each projection, with and without depth, with and without light by gradients at points, and each
- * integrator. */
-enum {
-  VARIANT_PARALLEL = 1,
-  VARIANT_DEPTH = 2,
-  VARIANT_LIT = 4,
-  VARIANT_INTEGRATOR = 8,
-  VARIANT_COUNT = VARIANT_INTEGRATOR * GL_INTEGRATOR_COUNT
-};
-/* Texture units. */
-enum { UNIT_RECORDS, UNIT_INTERVALS, UNIT_LIGHTS };
-
-struct cellist_gl {
-  cellist_context *context;
-  const gl_backend *backend;
-  void *state;
-  gl_api api;
-  char *device_name;
-  size_t chunk_cells;
-  double subpixel;    /* step of the grid that corners are moved to, in pixels */
-  gl_cells_mesh mesh; /* arrays NULL: nothing uploaded */
-  const cellist_mesh *source;
-  const cellist_scalar *scalar;
-  double *gradients; /* [3 points] once a frame was lit by them */
-  gl_scale scale;
-  gl_target target;
-  GLuint programs[VARIANT_COUNT];
-  GLuint query, vertices;
-  GLuint corner_buffer;
-  GLuint record_buffer, record_texture;
-  GLuint interval_buffer, interval_texture;
-  GLuint light_buffer, light_texture;
-};
+#include "renderer.h"
 
 static cellist_result enter(cellist_gl *gl) {
   if (gl->backend->enter(gl->state)) return CELLIST_SUCCESS;
@@ -59,8 +15,7 @@ static cellist_result enter(cellist_gl *gl) {
                       gl->backend->name);
 }
 
-/* The first error of a whole call; out-of-memory has its own result. */
-static cellist_result check_errors(cellist_gl *gl, const char *what) {
+cellist_result gl_check_errors(cellist_gl *gl, const char *what) {
   const GLenum code = gl->api.GetError();
   if (code == GL_NO_ERROR) return CELLIST_SUCCESS;
   while (gl->api.GetError() != GL_NO_ERROR) continue;
@@ -92,7 +47,13 @@ static cellist_result set_up(cellist_gl *gl) {
   api->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   const size_t texels_per_cell = GL_RECORD_FLOATS / 4;
   gl->chunk_cells = (size_t)texels / texels_per_cell / GL_CELLS_GRAIN * GL_CELLS_GRAIN;
-  if (gl->chunk_cells > CHUNK_CELLS) gl->chunk_cells = CHUNK_CELLS;
+  if (gl->chunk_cells > GL_CHUNK_CELLS) gl->chunk_cells = GL_CHUNK_CELLS;
+
+  GLint major = 0, minor = 0;
+  api->GetIntegerv(GL_MAJOR_VERSION, &major);
+  api->GetIntegerv(GL_MINOR_VERSION, &minor);
+  gl->has_lists =
+      (major > 4 || (major == 4 && minor >= 3)) && api->ClearBufferData != NULL && api->MemoryBarrier != NULL;
 
   GLint subpixel_bits = 0;
   api->GetIntegerv(GL_SUBPIXEL_BITS, &subpixel_bits);
@@ -100,15 +61,17 @@ static cellist_result set_up(cellist_gl *gl) {
 
   api->GenQueries(1, &gl->query);
   make_texture_buffer(gl, &gl->record_buffer, &gl->record_texture);
+  make_texture_buffer(gl, &gl->extra_buffer, &gl->extra_texture);
   make_texture_buffer(gl, &gl->interval_buffer, &gl->interval_texture);
   make_texture_buffer(gl, &gl->light_buffer, &gl->light_texture);
+  api->GenVertexArrays(1, &gl->no_vertices);
   api->GenVertexArrays(1, &gl->vertices);
   api->BindVertexArray(gl->vertices);
   api->GenBuffers(1, &gl->corner_buffer);
   api->BindBuffer(GL_ARRAY_BUFFER, gl->corner_buffer);
   api->EnableVertexAttribArray(0);
   api->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
-  return check_errors(gl, "setting up");
+  return gl_check_errors(gl, "setting up");
 }
 
 cellist_result cellist_gl_create(cellist_context *context, const cellist_gl_desc *desc, cellist_gl **gl) {
@@ -120,6 +83,7 @@ cellist_result cellist_gl_create(cellist_context *context, const cellist_gl_desc
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   created->context = context;
   created->backend = backend;
+  created->list_bytes = desc != NULL ? desc->list_bytes : 0;
   cellist_result result = backend->open(context, &created->state);
   if (result == CELLIST_SUCCESS) result = enter(created);
   if (result == CELLIST_SUCCESS) {
@@ -137,12 +101,16 @@ cellist_result cellist_gl_create(cellist_context *context, const cellist_gl_desc
 static void release_objects(cellist_gl *gl) {
   const gl_api *api = &gl->api;
   gl_target_release(api, &gl->target);
-  for (int i = 0; i < VARIANT_COUNT; i++)
-    if (gl->programs[i] != 0) api->DeleteProgram(gl->programs[i]);
-  const GLuint textures[] = {gl->record_texture, gl->interval_texture, gl->light_texture};
-  const GLuint buffers[] = {gl->record_buffer, gl->interval_buffer, gl->light_buffer, gl->corner_buffer};
+  gl_groups_release(gl);
+  const GLuint *programs = &gl->programs[0][0][0];
+  for (size_t i = 0; i < sizeof gl->programs / sizeof *programs; i++)
+    if (programs[i] != 0) api->DeleteProgram(programs[i]);
+  const GLuint textures[] = {gl->record_texture, gl->extra_texture, gl->interval_texture, gl->light_texture};
+  const GLuint buffers[] = {gl->record_buffer, gl->extra_buffer, gl->interval_buffer, gl->light_buffer,
+                            gl->corner_buffer};
+  const GLuint arrays[] = {gl->vertices, gl->no_vertices};
   api->DeleteTextures(sizeof textures / sizeof *textures, textures);
-  api->DeleteVertexArrays(1, &gl->vertices);
+  api->DeleteVertexArrays(sizeof arrays / sizeof *arrays, arrays);
   api->DeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
   api->DeleteQueries(1, &gl->query);
 }
@@ -158,6 +126,7 @@ void cellist_gl_destroy(cellist_gl *gl) {
   }
   gl_cells_mesh_release(gl->context, &gl->mesh);
   cellist_deallocate(gl->context, gl->gradients);
+  cellist_deallocate(gl->context, gl->pieces);
   cellist_deallocate(gl->context, gl->device_name);
   cellist_deallocate(gl->context, gl);
 }
@@ -182,20 +151,26 @@ cellist_result cellist_gl_upload(cellist_gl *gl, const cellist_mesh *mesh, const
   return CELLIST_SUCCESS;
 }
 
-/* One call to render. */
-struct drawing {
-  cellist_gl *gl;
-  const cellist_frame *frame;
-  const cellist_transfer *transfer;
-  const cellist_optics *optics;
-  const uint32_t *order;
-  size_t order_count;
-  gl_intervals intervals;
-  gl_cells cells;
-  cellist_gl_stats stats;
-};
+static cellist_result check_groups(cellist_gl *gl, size_t order_count, const cellist_gl_settings *settings) {
+  if (settings->group_count > 0 && settings->groups == NULL)
+    return cellist_fail(gl->context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_gl_render: groups is NULL");
+  size_t end = 0;
+  for (size_t i = 0; i < settings->group_count; i++) {
+    const cellist_gl_group *group = &settings->groups[i];
+    if (group->begin < end || group->begin > order_count || group->count > order_count - group->begin)
+      return cellist_fail(gl->context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "group %zu lies beyond the order or overlaps the one before", i);
+    end = group->begin + group->count;
+  }
+  if ((unsigned)settings->group_method > CELLIST_GL_GROUPS_LAYERS)
+    return cellist_fail(gl->context, CELLIST_ERROR_INVALID_ARGUMENT, "no way to draw groups has the number %d",
+                        (int)settings->group_method);
+  if (settings->group_method == CELLIST_GL_GROUPS_LISTS && !gl->has_lists)
+    return cellist_fail(gl->context, CELLIST_ERROR_UNSUPPORTED, "per-pixel lists need OpenGL 4.3");
+  return CELLIST_SUCCESS;
+}
 
-static cellist_result check_arguments(const cellist_gl *gl, const cellist_frame *frame, const uint32_t *order,
+static cellist_result check_arguments(cellist_gl *gl, const cellist_frame *frame, const uint32_t *order,
                                       size_t order_count, const cellist_gl_settings *settings,
                                       const cellist_image *image) {
   cellist_context *context = gl->context;
@@ -222,139 +197,104 @@ static cellist_result check_arguments(const cellist_gl *gl, const cellist_frame 
   if ((unsigned)settings->framebuffer > CELLIST_FRAMEBUFFER_8)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no framebuffer has the number %d",
                         (int)settings->framebuffer);
-  return CELLIST_SUCCESS;
+  return check_groups(gl, order_count, settings);
 }
 
-static cellist_result build_program(cellist_gl *gl, unsigned variant) {
-  static const char *const vertex[] = {cellist_text_faces_vert, NULL};
-  const char *fragment[GL_INTEGRATOR_TEXTS + 1];
-  const char *before =
-      gl_integrator_texts((gl_integrator)(variant / VARIANT_INTEGRATOR), variant & VARIANT_LIT, fragment);
-  size_t count = 0;
-  while (fragment[count] != NULL) count++;
-  fragment[count++] = cellist_text_faces_frag;
-  fragment[count] = NULL;
-  char defines[256];
-  snprintf(defines, sizeof defines, "%s%s%s", before, variant & VARIANT_PARALLEL ? "#define PARALLEL\n" : "",
-           variant & VARIANT_DEPTH ? "#define WITH_DEPTH\n" : "");
-  return gl_program_build(gl->context, &gl->api, defines, vertex, fragment, &gl->programs[variant]);
-}
+enum { GL_CHUNK_GROUPS = 1024 }; /* small groups of a chunk, at most */
 
-static void set_light(cellist_gl *gl, GLuint program, const gl_light *light, uint32_t sample_count) {
-  const gl_api *api = &gl->api;
-  const double *l = light->towards, *h = light->halfway;
-  api->Uniform1i(api->GetUniformLocation(program, "lights"), UNIT_LIGHTS);
-  api->Uniform1i(api->GetUniformLocation(program, "samples"), sample_count > 0 ? (GLint)sample_count : 1);
-  api->Uniform3f(api->GetUniformLocation(program, "towards"), (float)l[0], (float)l[1], (float)l[2]);
-  api->Uniform3f(api->GetUniformLocation(program, "halfway"), (float)h[0], (float)h[1], (float)h[2]);
-  api->Uniform4f(api->GetUniformLocation(program, "shares"), (float)light->light.ambient, (float)light->light.diffuse,
-                 (float)light->light.specular, (float)light->light.shininess);
-}
-
-static cellist_result use_program(cellist_gl *gl, unsigned variant, const struct drawing *drawing) {
-  const gl_api *api = &gl->api;
-  const cellist_frame *frame = drawing->frame;
-  if (gl->programs[variant] == 0) {
-    const cellist_result result = build_program(gl, variant);
+/* Draws order[begin..end) with the small groups in it. */
+static cellist_result draw_range(gl_drawing *drawing, const uint32_t *order, size_t begin, size_t end,
+                                 const cellist_gl_group *groups, size_t group_count) {
+  cellist_gl *gl = drawing->gl;
+  cellist_gl_group inside[GL_CHUNK_GROUPS];
+  while (begin < end) {
+    size_t to = end - begin > gl->chunk_cells ? begin + gl->chunk_cells : end, used = 0, pieces = 0;
+    for (; used < group_count && groups[used].begin < to; used++) {
+      if (used == GL_CHUNK_GROUPS || groups[used].begin + groups[used].count > to) {
+        to = groups[used].begin;
+        break;
+      }
+      inside[used] = (cellist_gl_group){groups[used].begin - begin, groups[used].count};
+    }
+    cellist_result result = gl_batch_send(drawing, order + begin, to - begin, inside, used, &pieces);
+    if (result == CELLIST_SUCCESS) result = gl_batch_draw(drawing, pieces, GL_STAGE_BLEND);
+    if (result == CELLIST_SUCCESS)
+      result = cellist_progress(gl->context, "drawing", (double)begin / (double)drawing->order_count);
     if (result != CELLIST_SUCCESS) return result;
+    groups += used;
+    group_count -= used;
+    begin = to;
   }
-  const GLuint program = gl->programs[variant];
-  api->UseProgram(program);
-  api->Uniform1i(api->GetUniformLocation(program, "records"), UNIT_RECORDS);
-  api->Uniform1i(api->GetUniformLocation(program, "intervals"), UNIT_INTERVALS);
-  api->Uniform1f(api->GetUniformLocation(program, "near_distance"), (float)frame->near_distance);
-  api->Uniform2f(api->GetUniformLocation(program, "centre"), 0.5f * (float)frame->width, 0.5f * (float)frame->height);
-  api->Uniform2f(api->GetUniformLocation(program, "slope"), (float)(2 * frame->half_width / frame->width),
-                 (float)(2 * frame->half_height / frame->height));
-  if (variant & VARIANT_LIT) set_light(gl, program, &drawing->cells.light, drawing->optics->sample_count);
   return CELLIST_SUCCESS;
 }
 
-/* Room for so many bytes, to be written; NULL if there is none. */
-static void *map_buffer(const gl_api *api, GLenum target, GLuint buffer, size_t bytes) {
-  api->BindBuffer(target, buffer);
-  api->BufferData(target, (GLsizeiptr)bytes, NULL, GL_STREAM_DRAW);
-  return api->MapBufferRange(target, 0, (GLsizeiptr)bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+/* The same with its fragments counted. */
+static cellist_result draw_counted(gl_drawing *drawing, const uint32_t *order, size_t begin, size_t end,
+                                   const cellist_gl_group *groups, size_t group_count) {
+  const gl_api *api = &drawing->gl->api;
+  GLuint64 fragments = 0;
+  if (begin == end) return CELLIST_SUCCESS;
+  api->BeginQuery(GL_SAMPLES_PASSED, drawing->gl->query);
+  const cellist_result result = draw_range(drawing, order, begin, end, groups, group_count);
+  api->EndQuery(GL_SAMPLES_PASSED);
+  api->GetQueryObjectui64v(drawing->gl->query, GL_QUERY_RESULT, &fragments);
+  drawing->stats.fragment_count += fragments;
+  return result;
 }
 
-/* Whether the buffer was mapped and has kept what was written. */
-static bool unmap_buffer(const gl_api *api, GLenum target, GLuint buffer, const void *mapped) {
-  if (mapped == NULL) return false;
-  api->BindBuffer(target, buffer);
-  return api->UnmapBuffer(target);
-}
-
-static cellist_result draw_chunk(struct drawing *drawing, const uint32_t *order, size_t count) {
-  cellist_gl *gl = drawing->gl;
-  const gl_api *api = &gl->api;
-  const bool lit = drawing->cells.light.gradients != NULL;
-  gl_cells_output output = {NULL, NULL, NULL};
-  output.records = map_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, count * sizeof *output.records);
-  if (lit) output.lights = map_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, count * sizeof *output.lights);
-  output.corners =
-      map_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, count * 3 * GL_CELLS_TRIANGLES * sizeof *output.corners);
-  gl_cells_count counts[CHUNK_GRAINS];
-  if (output.records != NULL && output.corners != NULL && lit == (output.lights != NULL))
-    gl_cells_prepare(&drawing->cells, order, count, &output, counts);
-  bool kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, output.records);
-  if (lit) kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, output.lights) && kept;
-  kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, output.corners) && kept;
-  if (!kept) return cellist_fail(gl->context, CELLIST_ERROR_OUT_OF_MEMORY, "OpenGL has no buffer for %zu cells", count);
-  GLint begins[CHUNK_GRAINS];
-  GLsizei sizes[CHUNK_GRAINS], draws = 0;
-  for (size_t i = 0; i * GL_CELLS_GRAIN < count; i++) {
-    drawing->stats.cell_count += counts[i].cells;
-    drawing->stats.triangle_count += counts[i].corners / 3;
-    if (counts[i].corners == 0) continue;
-    begins[draws] = (GLint)(i * 3 * GL_CELLS_TRIANGLES * GL_CELLS_GRAIN);
-    sizes[draws++] = (GLsizei)counts[i].corners;
+/* Draws the order: what lies between two large groups is drawn together. */
+static cellist_result draw_order(gl_drawing *drawing, const uint32_t *order) {
+  const cellist_gl_settings *settings = drawing->settings;
+  const cellist_model model = settings->optics.model;
+  const bool commutes = model == CELLIST_MODEL_EMISSION || model == CELLIST_MODEL_ABSORPTION ||
+                        model == CELLIST_MODEL_MAXIMUM; /* then any order is right, in groups too */
+  const size_t group_count = commutes ? 0 : settings->group_count;
+  size_t begin = 0, first = 0;
+  cellist_result result = CELLIST_SUCCESS;
+  for (size_t i = 0; i < group_count && result == CELLIST_SUCCESS; i++) {
+    const cellist_gl_group *group = &settings->groups[i];
+    if (gl_group_is_small(drawing, group)) continue;
+    result = draw_counted(drawing, order, begin, group->begin, settings->groups + first, i - first);
+    if (result == CELLIST_SUCCESS) result = gl_group_draw(drawing, order + group->begin, group->count);
+    begin = group->begin + group->count;
+    first = i + 1;
   }
-  if (draws > 0) api->MultiDrawArrays(GL_TRIANGLES, begins, sizes, draws);
-  return CELLIST_SUCCESS;
-}
-
-/* With the OpenGL context current. */
-static cellist_result draw(struct drawing *drawing, const cellist_gl_settings *settings, cellist_image *image) {
-  cellist_gl *gl = drawing->gl;
-  const gl_api *api = &gl->api;
-  const cellist_frame *frame = drawing->frame;
-  const bool maximum = settings->optics.model == CELLIST_MODEL_MAXIMUM;
-  const bool with_depth = cellist_image_channel(image, "Z") != NULL || cellist_image_channel(image, "ZBack") != NULL;
-  cellist_result result =
-      gl_target_begin(gl->context, api, &gl->target, frame->width, frame->height,
-                      maximum ? CELLIST_FRAMEBUFFER_32F : settings->framebuffer, with_depth, maximum);
-  if (result == CELLIST_SUCCESS)
-    result = use_program(gl,
-                         (frame->parallel ? VARIANT_PARALLEL : 0) | (with_depth ? VARIANT_DEPTH : 0) |
-                             (drawing->cells.light.gradients != NULL ? VARIANT_LIT : 0) |
-                             VARIANT_INTEGRATOR * (unsigned)gl_integrator_of(&settings->optics),
-                         drawing);
   if (result != CELLIST_SUCCESS) return result;
+  return draw_counted(drawing, order, begin, drawing->order_count, group_count > 0 ? settings->groups + first : NULL,
+                      group_count - first);
+}
 
-  api->BindVertexArray(gl->vertices);
-  api->BindBuffer(GL_ARRAY_BUFFER, gl->corner_buffer);
+static void bind_buffers(gl_drawing *drawing) {
+  cellist_gl *gl = drawing->gl;
+  const gl_api *api = &gl->api;
+  const GLuint textures[] = {[GL_UNIT_RECORDS] = gl->record_texture,
+                             [GL_UNIT_INTERVALS] = gl->interval_texture,
+                             [GL_UNIT_EXTRAS] = gl->extra_texture,
+                             [GL_UNIT_LIGHTS] = gl->light_texture};
   api->BindBuffer(GL_TEXTURE_BUFFER, gl->interval_buffer);
   api->BufferData(GL_TEXTURE_BUFFER,
                   (GLsizeiptr)((drawing->intervals.knot_count + 1) * GL_INTERVAL_FLOATS * sizeof(float)),
                   drawing->intervals.texels, GL_STREAM_DRAW);
-  api->ActiveTexture(GL_TEXTURE0 + UNIT_RECORDS);
-  api->BindTexture(GL_TEXTURE_BUFFER, gl->record_texture);
-  api->ActiveTexture(GL_TEXTURE0 + UNIT_INTERVALS);
-  api->BindTexture(GL_TEXTURE_BUFFER, gl->interval_texture);
-  api->ActiveTexture(GL_TEXTURE0 + UNIT_LIGHTS);
-  api->BindTexture(GL_TEXTURE_BUFFER, gl->light_texture);
-
-  api->BeginQuery(GL_SAMPLES_PASSED, gl->query);
-  for (size_t begin = 0; begin < drawing->order_count && result == CELLIST_SUCCESS; begin += gl->chunk_cells) {
-    const size_t left = drawing->order_count - begin;
-    result = draw_chunk(drawing, drawing->order + begin, left < gl->chunk_cells ? left : gl->chunk_cells);
-    if (result == CELLIST_SUCCESS)
-      result = cellist_progress(gl->context, "drawing", (double)begin / (double)drawing->order_count);
+  for (GLenum i = 0; i < sizeof textures / sizeof textures[0]; i++) {
+    api->ActiveTexture(GL_TEXTURE0 + i);
+    api->BindTexture(GL_TEXTURE_BUFFER, textures[i]);
   }
-  api->EndQuery(GL_SAMPLES_PASSED);
+}
+
+/* With the OpenGL context current. */
+static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_image *image) {
+  cellist_gl *gl = drawing->gl;
+  const gl_api *api = &gl->api;
+  const cellist_frame *frame = drawing->frame;
+  const bool maximum = drawing->settings->optics.model == CELLIST_MODEL_MAXIMUM;
+  drawing->with_depth = cellist_image_channel(image, "Z") != NULL || cellist_image_channel(image, "ZBack") != NULL;
+  cellist_result result =
+      gl_target_begin(gl->context, api, &gl->target, frame->width, frame->height,
+                      maximum ? CELLIST_FRAMEBUFFER_32F : drawing->settings->framebuffer, drawing->with_depth, maximum);
   if (result != CELLIST_SUCCESS) return result;
-  api->GetQueryObjectui64v(gl->query, GL_QUERY_RESULT, &drawing->stats.fragment_count);
-  result = check_errors(gl, "drawing");
+  bind_buffers(drawing);
+  result = draw_order(drawing, order);
+  if (result == CELLIST_SUCCESS) result = gl_check_errors(gl, "drawing");
   if (result == CELLIST_SUCCESS)
     result = gl_target_read(gl->context, api, &gl->target, maximum ? drawing->transfer : NULL, gl->scale, image);
   return result;
@@ -389,12 +329,8 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   cellist_result result = check_arguments(gl, frame, order, order_count, settings, image);
   if (result != CELLIST_SUCCESS) return result;
 
-  struct drawing drawing = {.gl = gl,
-                            .frame = frame,
-                            .transfer = transfer,
-                            .optics = &settings->optics,
-                            .order = order,
-                            .order_count = order_count};
+  gl_drawing drawing = {
+      .gl = gl, .frame = frame, .transfer = transfer, .settings = settings, .order_count = order_count};
   gl_light light;
   result = make_light(gl, frame, &settings->optics, &light);
   if (result != CELLIST_SUCCESS) return result;
@@ -406,7 +342,7 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   if (result == CELLIST_SUCCESS) {
     result = enter(gl);
     if (result == CELLIST_SUCCESS) {
-      result = draw(&drawing, settings, image);
+      result = draw(&drawing, order, image);
       gl->backend->leave(gl->state);
     }
     gl_cells_release(&drawing.cells);

@@ -60,6 +60,19 @@ static cellist_result make(cellist_context *context, const gl_api *api, gl_targe
   return CELLIST_SUCCESS;
 }
 
+void gl_target_use(const gl_api *api, const gl_target *target, bool maximum) {
+  api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+  api->Viewport(0, 0, (GLsizei)target->width, (GLsizei)target->height);
+  api->Disable(GL_DEPTH_TEST);
+  api->Disable(GL_CULL_FACE);
+  api->Enable(GL_BLEND);
+  api->BlendEquationi(0, maximum ? GL_MAX : GL_FUNC_ADD);
+  api->BlendFuncSeparatei(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  if (!target->with_depth) return;
+  api->BlendEquationi(1, GL_MAX);
+  api->BlendFuncSeparatei(1, GL_ONE, GL_ONE, GL_ONE, GL_ONE);
+}
+
 cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_target *target, uint32_t width,
                                uint32_t height, cellist_framebuffer format, bool with_depth, bool maximum) {
   if (target->framebuffer == 0 || target->width != width || target->height != height || target->format != format ||
@@ -67,19 +80,9 @@ cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_t
     const cellist_result result = make(context, api, target, width, height, format, with_depth);
     if (result != CELLIST_SUCCESS) return result;
   }
-  api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
-  api->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
+  gl_target_use(api, target, maximum);
   api->ClearBufferfv(GL_COLOR, 0, maximum ? LEAST : EMPTY);
-  api->Disable(GL_DEPTH_TEST);
-  api->Disable(GL_CULL_FACE);
-  api->Enable(GL_BLEND);
-  api->BlendEquationi(0, maximum ? GL_MAX : GL_FUNC_ADD);
-  api->BlendFuncSeparatei(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  if (with_depth) {
-    api->ClearBufferfv(GL_COLOR, 1, NO_DEPTH);
-    api->BlendEquationi(1, GL_MAX);
-    api->BlendFuncSeparatei(1, GL_ONE, GL_ONE, GL_ONE, GL_ONE);
-  }
+  if (with_depth) api->ClearBufferfv(GL_COLOR, 1, NO_DEPTH);
   return CELLIST_SUCCESS;
 }
 

@@ -20,6 +20,9 @@ typedef struct gl_target {
 cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_target *target, uint32_t width,
                                uint32_t height, cellist_framebuffer format, bool with_depth, bool maximum);
 
+/* Makes a target that was begun current again, as it is. */
+void gl_target_use(const gl_api *api, const gl_target *target, bool maximum);
+
 /* Copies what was drawn into the image's channels of the names R G B A, Z, ZBack; with a transfer function, the colours
  * of the scaled scalars that stand in red where alpha is not 0. Fails with OUT_OF_MEMORY. */
 cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,

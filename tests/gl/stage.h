@@ -27,7 +27,7 @@ static inline cellist_result stage_open(cellist_context *context, cellist_gl_bac
   for (uint32_t i = 0; i < 4 * tet_count; i++) tets[i] = i;
   const cellist_field field = {"value", CELLIST_ON_POINTS, 1, values};
   const cellist_mesh_desc desc = {4 * tet_count, points, tet_count, tets, NULL, 1, &field};
-  const cellist_gl_desc gl_desc = {backend};
+  const cellist_gl_desc gl_desc = {.backend = backend};
   cellist_result result = cellist_mesh_create(context, &desc, &made->mesh);
   free(tets);
   if (result == CELLIST_SUCCESS) result = cellist_scalar_select(context, made->mesh, NULL, &made->scalar);

@@ -127,7 +127,7 @@ static bool draw_box(cellist_gl_backend backend, unsigned workers, float *pixels
   cellist_scalar scalar;
   cellist_image *image = NULL;
   cellist_gl *gl = NULL;
-  const cellist_gl_desc desc = {backend};
+  const cellist_gl_desc desc = {.backend = backend};
   assert_success(context, cellist_scalar_select(context, mesh, NULL, &scalar));
   assert_success(context, cellist_image_create(context, BOX_PIXELS, BOX_PIXELS, STAGE_CHANNELS, 6, &image));
   const bool opened = cellist_gl_create(context, &desc, &gl) == CELLIST_SUCCESS;
@@ -249,7 +249,7 @@ TEST(bad_arguments_are_named)
   other.count = 3;
   assert_failure(context, cellist_gl_upload(made.gl, made.mesh, &other), CELLIST_ERROR_INVALID_ARGUMENT, "3 values");
   assert_success(context, cellist_gl_render(made.gl, &frame, &TRANSFER, &order, 1, NULL, made.image, NULL));
-  const cellist_gl_desc desc = {(cellist_gl_backend)9};
+  const cellist_gl_desc desc = {.backend = (cellist_gl_backend)9};
   cellist_gl *gl = NULL;
   assert_failure(context, cellist_gl_create(context, &desc, &gl), CELLIST_ERROR_UNSUPPORTED, "number 9");
   assert_null(gl);

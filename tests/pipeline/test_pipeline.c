@@ -57,6 +57,34 @@ TEST(every_renderer_draws_the_same_picture)
   harness_context_destroy(context);
 }
 
+/* Gears whose teeth lie in front of each other in circles. */
+TEST(cycles_are_exact_through_opengl)
+{
+  cellist_pipeline_desc desc = {.source = shared_data("gears_t.vtu"),
+                                .optics = {.unit_diagonal_fraction = 50},
+                                .renderer = CELLIST_RENDERER_CAST,
+                                .precision = CELLIST_PRECISION_REFERENCE};
+  cellist_context *context = harness_context(2);
+  cellist_image *images[2] = {NULL, NULL};
+  cellist_pipeline_stats stats;
+  for (int i = 0; i < 2; i++) {
+    cellist_pipeline *pipeline = NULL;
+    assert_success(context, cellist_pipeline_create(context, &desc, &pipeline));
+    assert_success(context, cellist_pipeline_draw(pipeline, NULL, 128, 128, &images[i], &stats));
+    cellist_pipeline_destroy(pipeline);
+    desc.renderer = CELLIST_RENDERER_FACES;
+    desc.precision = CELLIST_PRECISION_FAST;
+  }
+  cellist_image_error error;
+  assert_success(context, cellist_image_compare(context, images[1], images[0], &error, NULL));
+  assert_true(stats.group_count > 0 && stats.cells_in_groups > 0);
+  assert_string_equal(stats.order, "exact");
+  if (!(error.rmse < 1e-6 && error.max_abs < 1e-4)) fail_msg("rmse %g, max %g", error.rmse, error.max_abs);
+  cellist_image_destroy(images[0]);
+  cellist_image_destroy(images[1]);
+  harness_context_destroy(context);
+}
+
 TEST(a_picture_says_how_it_was_made)
 {
   cellist_context *context = harness_context(2);

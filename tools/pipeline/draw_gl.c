@@ -19,13 +19,18 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
                                 cellist_pipeline_stats *stats) {
   cellist_result result = pipeline_sort(pipeline, frame, stats);
   if (result != CELLIST_SUCCESS) return result;
-  /* Inside a group no order of whole cells is right, and they are drawn in one. */
-  if (stats->group_count > 0) stats->order = "approximate";
-  const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model};
+  const size_t group_count = pipeline->group_count;
+  cellist_gl_group *groups = cellist_allocate(pipeline->context, group_count, sizeof *groups);
+  if (groups == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (size_t i = 0; i < group_count; i++)
+    groups[i] = (cellist_gl_group){pipeline->groups[i].begin, pipeline->groups[i].count};
+  const cellist_gl_settings settings = {
+      .optics = pipeline->desc.optics.model, .groups = groups, .group_count = group_count};
   cellist_gl_stats drawn;
   const double begin = pipeline_seconds();
   result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order, pipeline->order_count,
                              &settings, image, &drawn);
+  cellist_deallocate(pipeline->context, groups);
   if (result != CELLIST_SUCCESS) return result;
   stats->draw_seconds = pipeline_seconds() - begin;
   stats->renderer = "faces";

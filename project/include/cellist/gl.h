@@ -24,6 +24,7 @@ typedef enum cellist_gl_backend {
 /* {0} is the default. */
 typedef struct cellist_gl_desc {
   cellist_gl_backend backend;
+  size_t list_bytes; /* memory for per-pixel lists, at most; 0: what this OpenGL allows. Less costs time */
 } cellist_gl_desc;
 
 typedef struct cellist_gl cellist_gl;
@@ -59,19 +60,36 @@ typedef enum cellist_framebuffer {
   CELLIST_FRAMEBUFFER_8    /* four bytes: faint cells vanish */
 } cellist_framebuffer;
 
+/* order[begin] to order[begin + count - 1] lie in front of each other in a circle: on every pixel they are composited
+ * in the order of their depths there, which is exact as long as no two overlap. */
+typedef struct cellist_gl_group {
+  size_t begin, count;
+} cellist_gl_group;
+
+/* How groups are composited. The pictures differ by rounding. */
+typedef enum cellist_gl_group_method {
+  CELLIST_GL_GROUPS_AUTO,  /* up to 16 cells in one go; more: lists where OpenGL is 4.3 or later, else layers */
+  CELLIST_GL_GROUPS_LISTS, /* always per-pixel lists; needs OpenGL 4.3 */
+  CELLIST_GL_GROUPS_LAYERS /* always layer by layer from the far side (depth peeling): a pass a layer */
+} cellist_gl_group_method;
+
 /* {0} is the default: emission and absorption, floats. Every model is drawn, lit by one gradient a cell or by gradients
  * at points; maximum intensity always in floats. Emission, absorption and maximum intensity need no order: any
  * will do. */
 typedef struct cellist_gl_settings {
   cellist_optics optics;
   cellist_framebuffer framebuffer;
+  const cellist_gl_group *groups; /* [group_count] ascending, disjoint; may be NULL if there are none */
+  size_t group_count;
+  cellist_gl_group_method group_method;
 } cellist_gl_settings;
 
 /* What a render did. */
 typedef struct cellist_gl_stats {
   uint64_t cell_count;     /* cells of the order that can show something */
   uint64_t triangle_count; /* that their footprints were drawn with */
-  uint64_t fragment_count; /* pixels of cells that contributed */
+  uint64_t fragment_count; /* pixels of cells that contributed; those of a group of up to 16 cells count once */
+  uint64_t group_count;    /* groups composited by themselves; none where the model needs no order */
 } cellist_gl_stats;
 
 /* Draws one view.
@@ -80,10 +98,12 @@ typedef struct cellist_gl_stats {
  *   ZBack that it has are filled: premultiplied linear colour, and the depth along frame->forward where the first
  *   contribution begins and the last one ends (infinity and 0 where there is none). settings and stats may be NULL.
  * Errors: INVALID_ARGUMENT (nothing uploaded, a tet that does not exist, an image of another size, a transfer function
- *   without knots, out of order or not finite, an isosurface's opacity or a number of samples out of range),
- * UNSUPPORTED (a size beyond this OpenGL's), GRAPHICS, OUT_OF_MEMORY. Threads: one call per renderer at a time; the
- * context's workers prepare the cells, the picture does not depend on their number. Cost: linear in cells and
- * fragments. */
+ *   without knots, out of order or not finite, an isosurface's opacity or a number of samples out of range, groups
+ * beyond the order or out of order), UNSUPPORTED (a size beyond this OpenGL's, lists below 4.3), GRAPHICS,
+ *   OUT_OF_MEMORY.
+ * Threads: one call per renderer at a time; the context's workers prepare the cells, the picture does not depend on
+ *   their number.
+ * Cost: linear in cells and fragments. */
 CELLIST_API cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame,
                                              const cellist_transfer *transfer, const uint32_t *order,
                                              size_t order_count, const cellist_gl_settings *settings,

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Stages: which texts a program is put together from, and what it is told once a frame. */
+#include <stdio.h>
+
+#include "program.h"
+#include "renderer.h"
+
+extern const char cellist_text_faces_vert[], cellist_text_everywhere_vert[], cellist_text_segment_glsl[],
+    cellist_text_cell_glsl[], cellist_text_faces_frag[], cellist_text_small_groups_frag[],
+    cellist_text_list_nodes_glsl[], cellist_text_list_frag[], cellist_text_list_resolve_frag[],
+    cellist_text_layer_frag[], cellist_text_layer_resolve_frag[];
+
+static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integrator, unsigned variant,
+                            GLuint *program) {
+  static const struct {
+    const char *nodes, *main;
+  } stages[GL_STAGE_COUNT] = {
+      [GL_STAGE_BLEND] = {NULL, cellist_text_faces_frag},
+      [GL_STAGE_SMALL_GROUP] = {NULL, cellist_text_small_groups_frag},
+      [GL_STAGE_LIST] = {cellist_text_list_nodes_glsl, cellist_text_list_frag},
+      [GL_STAGE_LIST_RESOLVE] = {cellist_text_list_nodes_glsl, cellist_text_list_resolve_frag},
+      [GL_STAGE_LAYER] = {NULL, cellist_text_layer_frag},
+      [GL_STAGE_LAYER_RESOLVE] = {NULL, cellist_text_layer_resolve_frag},
+  };
+  const bool of_pixels = stage == GL_STAGE_LIST_RESOLVE || stage == GL_STAGE_LAYER_RESOLVE;
+  const char *const vertex[] = {of_pixels ? cellist_text_everywhere_vert : cellist_text_faces_vert, NULL};
+  const char *fragment[GL_INTEGRATOR_TEXTS + 4], *before = "";
+  size_t count = 0;
+  if (stages[stage].nodes != NULL) fragment[count++] = stages[stage].nodes;
+  if (!of_pixels) {
+    before = gl_integrator_texts(integrator, variant & GL_VARIANT_LIT, &fragment[count]);
+    while (fragment[count] != NULL) count++;
+    fragment[count++] = cellist_text_segment_glsl;
+    fragment[count++] = cellist_text_cell_glsl;
+  }
+  fragment[count++] = stages[stage].main;
+  fragment[count] = NULL;
+  char defines[256];
+  snprintf(defines, sizeof defines, "%s%s%s", before, variant & GL_VARIANT_PARALLEL ? "#define PARALLEL\n" : "",
+           variant & GL_VARIANT_DEPTH ? "#define WITH_DEPTH\n" : "");
+  return gl_program_build(gl->context, &gl->api, stages[stage].nodes != NULL ? 430 : 410, defines, vertex, fragment,
+                          program);
+}
+
+static void set_light(const gl_drawing *drawing, GLuint program) {
+  const gl_api *api = &drawing->gl->api;
+  const gl_light *light = &drawing->cells.light;
+  const uint32_t sample_count = drawing->settings->optics.sample_count;
+  const double *l = light->towards, *h = light->halfway;
+  api->Uniform1i(api->GetUniformLocation(program, "samples"), sample_count > 0 ? (GLint)sample_count : 1);
+  api->Uniform3f(api->GetUniformLocation(program, "towards"), (float)l[0], (float)l[1], (float)l[2]);
+  api->Uniform3f(api->GetUniformLocation(program, "halfway"), (float)h[0], (float)h[1], (float)h[2]);
+  api->Uniform4f(api->GetUniformLocation(program, "shares"), (float)light->light.ambient, (float)light->light.diffuse,
+                 (float)light->light.specular, (float)light->light.shininess);
+}
+
+/* A program keeps its uniforms; those of this frame are set when it is first used in it. Names that a program does not
+ * have are at -1, which OpenGL overlooks. */
+static void set_uniforms(const gl_drawing *drawing, GLuint program) {
+  static const struct {
+    const char *name;
+    GLint unit;
+  } samplers[] = {{"records", GL_UNIT_RECORDS},       {"intervals", GL_UNIT_INTERVALS},
+                  {"extras", GL_UNIT_EXTRAS},         {"lights", GL_UNIT_LIGHTS},
+                  {"last_layer", GL_UNIT_LAST_LAYER}, {"layer_colour", GL_UNIT_LAYER_COLOUR}};
+  const gl_api *api = &drawing->gl->api;
+  const cellist_frame *frame = drawing->frame;
+  for (size_t i = 0; i < sizeof samplers / sizeof samplers[0]; i++)
+    api->Uniform1i(api->GetUniformLocation(program, samplers[i].name), samplers[i].unit);
+  api->Uniform1f(api->GetUniformLocation(program, "near_distance"), (float)frame->near_distance);
+  api->Uniform2f(api->GetUniformLocation(program, "centre"), 0.5f * (float)frame->width, 0.5f * (float)frame->height);
+  api->Uniform2f(api->GetUniformLocation(program, "slope"), (float)(2 * frame->half_width / frame->width),
+                 (float)(2 * frame->half_height / frame->height));
+  api->Uniform1i(api->GetUniformLocation(program, "width"), (GLint)frame->width);
+  if (drawing->cells.light.gradients != NULL) set_light(drawing, program);
+}
+
+cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage) {
+  cellist_gl *gl = drawing->gl;
+  const gl_integrator integrator = gl_integrator_of(&drawing->settings->optics);
+  const unsigned variant = (drawing->frame->parallel ? GL_VARIANT_PARALLEL : 0) |
+                           (drawing->with_depth ? GL_VARIANT_DEPTH : 0) |
+                           (drawing->cells.light.gradients != NULL ? GL_VARIANT_LIT : 0);
+  GLuint *program = &gl->programs[stage][integrator][variant];
+  if (*program == 0) {
+    const cellist_result result = build(gl, stage, integrator, variant, program);
+    if (result != CELLIST_SUCCESS) return result;
+  }
+  if (drawing->program != *program) gl->api.UseProgram(*program);
+  drawing->program = *program;
+  if (!drawing->set_up[stage]) set_uniforms(drawing, *program);
+  drawing->set_up[stage] = true;
+  return CELLIST_SUCCESS;
+}
