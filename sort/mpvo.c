@@ -2,36 +2,13 @@
  * MPVO: meshed polyhedra visibility order (Williams 1992; Roettger et al. 2004, section 3), with gap arcs.
  *
  * Of the two cells at a face, the one on the eye's side of the face's plane lies in front. A cell is ready when all
- * cells behind it (across a face or a gap) are out. The queue of ready cells is the order itself. */
+ * cells behind it (across a face, a facet or a gap) are out. The queue of ready cells is the order itself. */
 #include "mpvo.h"
 
 #include <string.h>
 
 #include "arcs.h"
-
-/* Marks cells that gap arcs leave, and counts all arcs that lead to a cell as one more cell behind it. */
-static void add_gap_states(cellist_sorter *sorter) {
-  const sort_gaps *gaps = &sorter->gaps;
-  for (size_t r = 0; r < gaps->boundary.row_count; r++) {
-    uint8_t *state = &sorter->state[gaps->boundary.row_tets[r]];
-    if (gaps->pending[r] > 0) *state = (uint8_t)(*state + SORT_PENDING);
-    if (gaps->starts[r + 1] > gaps->starts[r]) *state |= SORT_HAS_GAP_ARCS;
-  }
-}
-
-/* A cell that gap arcs leave is out. */
-static size_t follow_gap_arcs(cellist_sorter *sorter, uint32_t tet, uint32_t *order, size_t count) {
-  sort_gaps *gaps = &sorter->gaps;
-  const uint32_t row = gaps->boundary.tet_rows[tet];
-  for (size_t i = gaps->starts[row]; i < gaps->starts[row + 1]; i++) {
-    const uint32_t target = gaps->targets[i];
-    if (--gaps->pending[target] > 0) continue;
-    const uint32_t next = gaps->boundary.row_tets[target];
-    sorter->state[next] = (uint8_t)(sorter->state[next] - SORT_PENDING);
-    if ((sorter->state[next] & SORT_PENDING_MASK) == 0) order[count++] = next;
-  }
-  return count;
-}
+#include "follow.h"
 
 /* Cells are taken from the queue in batches, each in two passes without branches that depend on signs (every second one
  * would be guessed wrong): first the arcs that leave the batch's cells are listed, then each arc takes one from its
@@ -59,9 +36,10 @@ size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
   const uint32_t *neighbours = sorter->cells.neighbours;
   uint8_t *state = sorter->state;
   const sort_arc_kernel list_arcs = sort_has_avx2() ? sort_list_arcs_avx2 : sort_list_arcs_portable;
-  if (!sorter->convex) add_gap_states(sorter);
   uint32_t arcs[4 * BATCH + 4];
+  sort_follow_begin(sorter);
   size_t count = find_farthest(sorter, order), out = 0, fetched = 0;
+  count = sort_follow_farthest(sorter, order, count);
   while (out < count) {
     const size_t size = count - out < BATCH ? count - out : BATCH;
     const size_t next_end = count - out < 2 * BATCH ? count : out + 2 * BATCH;
@@ -76,9 +54,9 @@ size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
       order[count] = target;
       count += (left & SORT_PENDING_MASK) == 0;
     }
-    if (states & SORT_HAS_GAP_ARCS)
+    if (states & SORT_HAS_ARCS)
       for (size_t i = 0; i < size; i++)
-        if (state[order[out + i]] & SORT_HAS_GAP_ARCS) count = follow_gap_arcs(sorter, order[out + i], order, count);
+        if (state[order[out + i]] & SORT_HAS_ARCS) count = sort_follow(sorter, order[out + i], order, count);
     out += size;
   }
   return count;

@@ -67,13 +67,32 @@ static cellist_result check_mesh(cellist_context *context, const cellist_sorter_
   return result;
 }
 
+/* What orders cells across gaps, unless there are none. */
+static cellist_result prepare_gaps(cellist_sorter *sorter) {
+  cellist_context *context = sorter->context;
+  if (sorter->convex) return CELLIST_SUCCESS;
+  cellist_sorter_desc mesh = sorter->mesh;
+  cellist_result result = CELLIST_SUCCESS;
+  sorter->has_complex = mesh.complex != NULL;
+  if (sorter->has_complex) {
+    result = sort_complex_create(context, &mesh, &sorter->complex, &sorter->cells);
+    if (result != CELLIST_SUCCESS) return result;
+    sorter->queue = cellist_allocate(context, sorter->cells.count, sizeof *sorter->queue);
+    if (sorter->queue == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    if (sorter->complex.exposed != NULL) mesh.neighbours = sorter->complex.exposed;
+  }
+  result = sort_gaps_create(context, &mesh, &sorter->gaps);
+  return result == CELLIST_SUCCESS ? sort_components_prepare(sorter) : result;
+}
+
 static cellist_result prepare(cellist_sorter *sorter) {
   cellist_context *context = sorter->context;
   cellist_result result = check_mesh(context, &sorter->mesh);
   if (result == CELLIST_SUCCESS) result = sort_is_convex(context, &sorter->mesh, &sorter->convex);
-  if (result == CELLIST_SUCCESS && !sorter->convex) result = sort_gaps_create(context, &sorter->mesh, &sorter->gaps);
+  if (result == CELLIST_SUCCESS) result = prepare_gaps(sorter);
   if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->cells, &sorter->planes);
   if (result != CELLIST_SUCCESS) return result;
+  sorter->mesh.complex = NULL;
   sorter->state = cellist_allocate_zeroed(context, 4 * sorter->planes.group_count + 8, sizeof *sorter->state);
   return sorter->state != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
@@ -102,10 +121,24 @@ void cellist_sorter_destroy(cellist_sorter *sorter) {
   sort_gaps_release(context, &sorter->gaps);
   sort_planes_release(context, &sorter->planes);
   cellist_deallocate(context, sorter->state);
+  sort_complex_release(context, &sorter->complex);
+  cellist_deallocate(context, sorter->queue);
   cellist_deallocate(context, sorter->groups);
-  cellist_deallocate(context, sorter->group_scratch);
-  cellist_deallocate(context, sorter->search_scratch);
+  cellist_deallocate(context, sorter->parts);
+  cellist_deallocate(context, sorter->scratch);
   cellist_deallocate(context, sorter);
+}
+
+/* The queue's tets, without the imaginary cells among them. */
+static size_t take_tets(const cellist_sorter *sorter, size_t queued, uint32_t *order) {
+  const uint32_t *queue = sorter->queue;
+  const size_t tet_count = sorter->mesh.tet_count;
+  size_t count = 0, i = 0;
+  for (; i < queued && count < tet_count; i++) {
+    order[count] = queue[i];
+    count += queue[i] < tet_count;
+  }
+  return count;
 }
 
 cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint, uint32_t *order,
@@ -120,19 +153,22 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
   if (viewpoint->parallel && at[0] == 0 && at[1] == 0 && at[2] == 0)
     return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "a parallel view without a direction");
   const sort_eye eye = sort_eye_of(viewpoint);
-  cellist_sort_stats found = {.exact = true};
+  cellist_sort_stats found = {.exact = true, .imaginary_cell_count = sorter->complex.imaginary_count};
   sorter->group_count = 0;
   found.exact_sign_count =
       sort_planes_find_states(sorter->context, &sorter->cells, &sorter->planes, &eye, sorter->state);
   cellist_result result = CELLIST_SUCCESS;
-  if (!sorter->convex) {
+  sorter->uses_gap_arcs = !sorter->convex && !sorter->has_complex;
+  if (sorter->uses_gap_arcs) {
     result = sort_gaps_find(sorter->context, &sorter->gaps, &eye);
     if (result != CELLIST_SUCCESS) return result;
     found.gap_arc_count = sorter->gaps.arc_count;
     found.gap_candidate_count = sorter->gaps.candidate_count;
   }
-  const size_t done = sort_topologically(sorter, order);
-  if (done < sorter->mesh.tet_count) result = sort_components(sorter, &eye, order, done);
+  sort_links_find(&sorter->complex.links, &eye);
+  size_t done = sort_topologically(sorter, sorter->queue != NULL ? sorter->queue : order);
+  if (sorter->queue != NULL) done = take_tets(sorter, done, order);
+  if (done < sorter->mesh.tet_count) result = sort_components(sorter, &eye, order, done, &found);
   if (result != CELLIST_SUCCESS) {
     sorter->group_count = 0;
     return result;

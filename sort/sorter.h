@@ -6,28 +6,37 @@
 #include <cellist/sort.h>
 
 #include "cells.h"
+#include "complex/complex.h"
 #include "gaps/gaps.h"
 #include "signs/signs.h"
 #include "view.h"
 
 /* A cell's state in one view: bits 0-3: the neighbour there lies in front; bits 4-6: how many neighbours behind it are
- * not out, and one more for gap arcs; bit 7: gap arcs lead from it to nearer cells. */
-enum { SORT_PENDING = 16, SORT_PENDING_MASK = 0x70, SORT_HAS_GAP_ARCS = 0x80 };
+ * not out, and one more for other arcs; bit 7: other arcs lead from it to nearer cells. */
+enum { SORT_PENDING = 16, SORT_PENDING_MASK = 0x70, SORT_HAS_ARCS = 0x80 };
 
 struct cellist_sorter {
   cellist_context *context;
   cellist_sorter_desc mesh;
   sort_cells cells;
-  bool convex; /* no gap anywhere: faces alone order the cells, and gaps is empty */
+  bool convex; /* no gap anywhere: faces alone order the cells; gaps and complex are empty */
+  bool has_complex;
+  bool uses_gap_arcs; /* in the stage of the moment: the whole boundary's, or those inside components */
+  sort_complex complex;
   sort_gaps gaps;
   sort_planes planes;
   uint8_t *state; /* [cells.count] and some, so that eight can be read at once */
-  size_t group_count, group_capacity;
-  cellist_group *groups;
-  uint64_t *group_scratch;
-  size_t group_scratch_capacity;
-  uint32_t *search_scratch;
-  size_t search_scratch_capacity;
+  uint32_t
+      *queue; /* [cells.count] where imaginary cells stand among the tets; NULL without a complex: the order is it */
+  size_t group_count;
+  cellist_group *groups; /* [tet_count / 2 + 1] */
+  cellist_group *parts;  /* [tet_count / 2 + 1] scratch of components.c */
+  uint32_t *scratch;     /* [SORT_SCRATCH * (cells.count + large cells)] of components.c */
+  /* Of the last sort, if is_current. */
+  bool is_current;
+  cellist_viewpoint viewpoint;
 };
+
+enum { SORT_SCRATCH = 5 };
 
 #endif

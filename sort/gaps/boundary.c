@@ -31,6 +31,7 @@ static void fill(const cellist_sorter_desc *mesh, const uint32_t *vertex_of, sor
     for (uint32_t k = 0; k < 4; k++) {
       if (mesh->neighbours[4 * (size_t)tet + k] != CELLIST_NONE) continue;
       if (boundary->tet_rows[tet] == CELLIST_NONE) {
+        boundary->row_faces[row_count] = (uint32_t)face_count;
         boundary->row_tets[row_count] = tet;
         boundary->tet_rows[tet] = (uint32_t)row_count++;
       }
@@ -45,6 +46,7 @@ static void fill(const cellist_sorter_desc *mesh, const uint32_t *vertex_of, sor
       sort_face_plane_make(p[0], p[1], p[2], &boundary->planes[face_count++]);
     }
   }
+  boundary->row_faces[row_count] = (uint32_t)face_count;
 }
 
 cellist_result sort_boundary_create(cellist_context *context, const cellist_sorter_desc *mesh,
@@ -68,11 +70,12 @@ cellist_result sort_boundary_create(cellist_context *context, const cellist_sort
   boundary->corners = cellist_allocate(context, faces, 3 * sizeof *boundary->corners);
   boundary->rows = cellist_allocate(context, faces, sizeof *boundary->rows);
   boundary->planes = cellist_allocate(context, faces, sizeof *boundary->planes);
+  boundary->row_faces = cellist_allocate(context, boundary->row_count + 1, sizeof *boundary->row_faces);
   boundary->row_tets = cellist_allocate(context, boundary->row_count, sizeof *boundary->row_tets);
   boundary->tet_rows = cellist_allocate(context, mesh->tet_count, sizeof *boundary->tet_rows);
   const bool ok = boundary->positions != NULL && boundary->faces != NULL && boundary->corners != NULL &&
-                  boundary->rows != NULL && boundary->planes != NULL && boundary->row_tets != NULL &&
-                  boundary->tet_rows != NULL;
+                  boundary->rows != NULL && boundary->planes != NULL && boundary->row_faces != NULL &&
+                  boundary->row_tets != NULL && boundary->tet_rows != NULL;
   if (ok) {
     uint32_t next = 0;
     for (size_t i = 0; i < mesh->point_count; i++) {
@@ -92,6 +95,7 @@ void sort_boundary_release(cellist_context *context, sort_boundary *boundary) {
   cellist_deallocate(context, boundary->corners);
   cellist_deallocate(context, boundary->rows);
   cellist_deallocate(context, boundary->planes);
+  cellist_deallocate(context, boundary->row_faces);
   cellist_deallocate(context, boundary->row_tets);
   cellist_deallocate(context, boundary->tet_rows);
   *boundary = (sort_boundary){0};

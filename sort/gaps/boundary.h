@@ -23,8 +23,9 @@ typedef struct sort_boundary {
   uint32_t *rows;          /* [face_count] the row of the face's cell */
   sort_face_plane *planes; /* [face_count] */
   size_t row_count;
-  uint32_t *row_tets; /* [row_count] the cells that have boundary faces, ascending: row r is of tet row_tets[r] */
-  uint32_t *tet_rows; /* [tet_count] and back; CELLIST_NONE for cells without boundary faces */
+  uint32_t *row_faces; /* [row_count + 1] row r's faces are faces row_faces[r] to row_faces[r + 1] - 1 */
+  uint32_t *row_tets;  /* [row_count] the cells that have boundary faces, ascending: row r is of tet row_tets[r] */
+  uint32_t *tet_rows;  /* [tet_count] and back; CELLIST_NONE for cells without boundary faces */
 } sort_boundary;
 
 /* Fills a zeroed boundary. Errors: OUT_OF_MEMORY (what is there can be released). Cost: linear. */

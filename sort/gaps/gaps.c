@@ -41,6 +41,12 @@ cellist_result sort_gaps_create(cellist_context *context, const cellist_sorter_d
   if (result != CELLIST_SUCCESS) return result;
   const size_t faces = gaps->boundary.face_count, rows = gaps->boundary.row_count;
   gaps->worker_count = cellist_context_worker_count(context);
+  gaps->rows = cellist_allocate(context, rows, sizeof *gaps->rows);
+  gaps->places = cellist_allocate(context, rows, sizeof *gaps->places);
+  gaps->part_list = cellist_allocate(context, rows, sizeof *gaps->part_list);
+  gaps->faces = cellist_allocate(context, faces, sizeof *gaps->faces);
+  gaps->vertices = cellist_allocate(context, gaps->boundary.vertex_count, sizeof *gaps->vertices);
+  gaps->is_listed = cellist_allocate_zeroed(context, gaps->boundary.vertex_count, 1);
   gaps->starts = cellist_allocate(context, rows + 1, sizeof *gaps->starts);
   gaps->pending = cellist_allocate(context, rows, sizeof *gaps->pending);
   gaps->picture = cellist_allocate(context, gaps->boundary.vertex_count, 2 * sizeof *gaps->picture);
@@ -49,8 +55,10 @@ cellist_result sort_gaps_create(cellist_context *context, const cellist_sorter_d
   gaps->leaving = cellist_allocate(context, faces, sizeof *gaps->leaving);
   gaps->entering = cellist_allocate(context, faces, sizeof *gaps->entering);
   gaps->buffers = cellist_allocate_zeroed(context, gaps->worker_count, sizeof *gaps->buffers);
-  const bool ok = gaps->starts != NULL && gaps->pending != NULL && gaps->picture != NULL && gaps->sides != NULL &&
-                  gaps->boxes != NULL && gaps->leaving != NULL && gaps->entering != NULL && gaps->buffers != NULL;
+  const bool ok = gaps->rows != NULL && gaps->places != NULL && gaps->part_list != NULL && gaps->faces != NULL &&
+                  gaps->vertices != NULL && gaps->is_listed != NULL && gaps->starts != NULL && gaps->pending != NULL &&
+                  gaps->picture != NULL && gaps->sides != NULL && gaps->boxes != NULL && gaps->leaving != NULL &&
+                  gaps->entering != NULL && gaps->buffers != NULL;
   return ok ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
@@ -59,6 +67,12 @@ void sort_gaps_release(cellist_context *context, sort_gaps *gaps) {
   for (unsigned i = 0; gaps->buffers != NULL && i < gaps->worker_count; i++)
     cellist_deallocate(context, gaps->buffers[i].pairs);
   cellist_deallocate(context, gaps->buffers);
+  cellist_deallocate(context, gaps->rows);
+  cellist_deallocate(context, gaps->places);
+  cellist_deallocate(context, gaps->part_list);
+  cellist_deallocate(context, gaps->faces);
+  cellist_deallocate(context, gaps->vertices);
+  cellist_deallocate(context, gaps->is_listed);
   cellist_deallocate(context, gaps->starts);
   cellist_deallocate(context, gaps->targets);
   cellist_deallocate(context, gaps->pending);
@@ -79,7 +93,7 @@ static void find_sides(void *user, size_t begin, size_t end, unsigned worker) {
   struct search *search = user;
   const sort_boundary *boundary = &search->gaps->boundary;
   for (size_t i = begin; i < end; i++) {
-    const uint32_t *v = &boundary->corners[3 * i];
+    const uint32_t *v = &boundary->corners[3 * (size_t)search->gaps->faces[i]];
     const double *x = boundary->positions;
     search->gaps->sides[i] =
         (int8_t)sort_eye_side(&search->scene.eye, &x[3 * (size_t)v[0]], &x[3 * (size_t)v[1]], &x[3 * (size_t)v[2]]);
@@ -91,7 +105,7 @@ static void find_boxes(void *user, size_t begin, size_t end, unsigned worker) {
   struct search *search = user;
   sort_gaps *gaps = search->gaps;
   for (size_t i = begin; i < end; i++) {
-    const uint32_t *v = &gaps->boundary.corners[3 * i];
+    const uint32_t *v = &gaps->boundary.corners[3 * (size_t)gaps->faces[i]];
     if (gaps->sides[i] == 0)
       gaps->boxes[i] = (sort_box){{1, 1}, {-1, -1}};
     else if (search->cube_side < 0)
@@ -136,7 +150,7 @@ static cellist_result make_grid(struct search *search) {
   sort_gaps *gaps = search->gaps;
   double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
   gaps->leaving_count = gaps->entering_count = 0;
-  for (uint32_t i = 0; i < gaps->boundary.face_count; i++) {
+  for (uint32_t i = 0; i < gaps->face_count; i++) {
     const sort_box *box = &gaps->boxes[i];
     if (box->low[0] > box->high[0]) continue;
     if (gaps->sides[i] < 0) {
@@ -198,7 +212,8 @@ static void search_face(struct search *search, sort_gap_buffer *buffer, uint32_t
   const sort_boundary *boundary = &gaps->boundary;
   const struct cells cells = cells_of(&search->grid, &gaps->boxes[leaving]);
   const sort_grid_entry box = make_entry(&gaps->boxes[leaving], &cells, leaving);
-  const sort_face face = {&boundary->corners[3 * (size_t)leaving], &boundary->planes[leaving]};
+  const uint32_t own = gaps->faces[leaving], near = gaps->places[boundary->rows[own]];
+  const sort_face face = {&boundary->corners[3 * (size_t)own], &boundary->planes[own]};
   for (uint32_t y = cells.low[1]; y <= cells.high[1]; y++) {
     for (uint32_t x = cells.low[0]; x <= cells.high[0]; x++) {
       const size_t cell = (size_t)y * search->grid.size + x;
@@ -210,10 +225,10 @@ static void search_face(struct search *search, sort_gap_buffer *buffer, uint32_t
         if (x != (box.cell[0] > entry->cell[0] ? box.cell[0] : entry->cell[0]) ||
             y != (box.cell[1] > entry->cell[1] ? box.cell[1] : entry->cell[1]))
           continue;
-        const uint32_t far = boundary->rows[entry->face], near = boundary->rows[leaving];
-        if (far == near) continue;
+        const uint32_t beyond = gaps->faces[entry->face], far = gaps->places[boundary->rows[beyond]];
+        if (far == near || (gaps->parts != NULL && gaps->parts[far] != gaps->parts[near])) continue;
         buffer->candidate_count++;
-        const sort_face other = {&boundary->corners[3 * (size_t)entry->face], &boundary->planes[entry->face]};
+        const sort_face other = {&boundary->corners[3 * (size_t)beyond], &boundary->planes[beyond]};
         if (!sort_leaves_before(&search->scene, face, other)) continue;
         if (buffer->result == CELLIST_SUCCESS) buffer->result = add_pair(search->context, buffer, far, near);
       }
@@ -234,7 +249,7 @@ static void search_range(void *user, size_t begin, size_t end, unsigned worker) 
 /* One picture's arcs, appended to the pairs in the order of the leaving faces. */
 static cellist_result search_picture(struct search *search) {
   sort_gaps *gaps = search->gaps;
-  cellist_parallel_for(search->context, gaps->boundary.face_count, 4 * CHUNK, find_boxes, search);
+  cellist_parallel_for(search->context, gaps->face_count, 4 * CHUNK, find_boxes, search);
   cellist_result result = make_grid(search);
   if (result != CELLIST_SUCCESS) return result;
   const size_t chunk_count = (gaps->leaving_count + CHUNK - 1) / CHUNK;
@@ -264,9 +279,9 @@ static cellist_result search_picture(struct search *search) {
   return CELLIST_SUCCESS;
 }
 
-/* Arcs by the row of the farther cell. */
+/* Arcs by the farther row. */
 static cellist_result group_arcs(cellist_context *context, sort_gaps *gaps) {
-  const size_t rows = gaps->boundary.row_count;
+  const size_t rows = gaps->row_count;
   const cellist_result result =
       sort_reserve(context, &gaps->targets, &gaps->target_capacity, 0, gaps->arc_count, sizeof *gaps->targets);
   if (result != CELLIST_SUCCESS) return result;
@@ -285,13 +300,34 @@ static cellist_result group_arcs(cellist_context *context, sort_gaps *gaps) {
   return CELLIST_SUCCESS;
 }
 
-cellist_result sort_gaps_find(cellist_context *context, sort_gaps *gaps, const sort_eye *eye) {
+/* Lists the faces of the active rows, and their vertices. */
+static void list_faces(sort_gaps *gaps) {
+  const sort_boundary *boundary = &gaps->boundary;
+  gaps->face_count = gaps->vertex_count = 0;
+  for (uint32_t i = 0; i < gaps->row_count; i++) {
+    const uint32_t row = gaps->rows[i];
+    gaps->places[row] = i;
+    for (uint32_t face = boundary->row_faces[row]; face < boundary->row_faces[row + 1]; face++) {
+      gaps->faces[gaps->face_count++] = face;
+      for (size_t c = 0; c < 3; c++) {
+        const uint32_t vertex = boundary->corners[3 * (size_t)face + c];
+        if (gaps->is_listed[vertex]) continue;
+        gaps->is_listed[vertex] = 1;
+        gaps->vertices[gaps->vertex_count++] = vertex;
+      }
+    }
+  }
+  for (size_t i = 0; i < gaps->vertex_count; i++) gaps->is_listed[gaps->vertices[i]] = 0;
+}
+
+static cellist_result find_arcs(cellist_context *context, sort_gaps *gaps, const sort_eye *eye) {
   struct search search = {.context = context, .gaps = gaps, .cube_side = -1};
   search.scene = (sort_scene){.eye = *eye, .positions = gaps->boundary.positions};
   gaps->arc_count = gaps->candidate_count = 0;
-  cellist_parallel_for(context, gaps->boundary.face_count, 4 * CHUNK, find_sides, &search);
+  cellist_parallel_for(context, gaps->face_count, 4 * CHUNK, find_sides, &search);
   cellist_result result = CELLIST_SUCCESS;
-  if (sort_picture_project(&gaps->boundary, eye, gaps->picture, &search.scene.picture_error)) {
+  if (sort_picture_project(&gaps->boundary, gaps->vertices, gaps->vertex_count, eye, gaps->picture,
+                           &search.scene.picture_error)) {
     search.scene.picture = gaps->picture;
     result = search_picture(&search);
   } else {
@@ -300,4 +336,20 @@ cellist_result sort_gaps_find(cellist_context *context, sort_gaps *gaps, const s
       result = search_picture(&search);
   }
   return result == CELLIST_SUCCESS ? group_arcs(context, gaps) : result;
+}
+
+cellist_result sort_gaps_find(cellist_context *context, sort_gaps *gaps, const sort_eye *eye) {
+  if (gaps->parts != NULL || gaps->row_count != gaps->boundary.row_count) {
+    gaps->parts = NULL;
+    gaps->row_count = gaps->boundary.row_count;
+    for (uint32_t i = 0; i < gaps->row_count; i++) gaps->rows[i] = i;
+    list_faces(gaps);
+  }
+  return find_arcs(context, gaps, eye);
+}
+
+cellist_result sort_gaps_find_among(cellist_context *context, sort_gaps *gaps, const sort_eye *eye) {
+  gaps->parts = gaps->part_list;
+  list_faces(gaps);
+  return find_arcs(context, gaps, eye);
 }

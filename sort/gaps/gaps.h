@@ -28,22 +28,34 @@ typedef struct sort_grid_entry {
   uint32_t face;
 } sort_grid_entry;
 
-/* The arcs of the last view, by row of the farther cell, and the scratch to find them. */
+/* The arcs of the last view, and the scratch to find them. All that refers to rows is by place in the list of active
+ * rows: all of the boundary's, or those that sort_gaps_find_among was given. */
 typedef struct sort_gaps {
   sort_boundary boundary;
+  size_t row_count;
+  uint32_t *rows;    /* [row_count] active rows, ascending */
+  uint32_t *places;  /* [boundary.row_count] each active row's place in rows */
+  uint32_t *parts;   /* [row_count] arcs lead between rows of the same part only; NULL: all are one */
+  size_t face_count; /* active faces, ascending, and their vertices */
+  uint32_t *faces;
+  size_t vertex_count;
+  uint32_t *vertices;
+  uint8_t *is_listed; /* [boundary.vertex_count] scratch, all 0 between calls */
+
   size_t arc_count, candidate_count;
-  size_t *starts; /* [row_count + 1] */
-  uint32_t
-      *targets; /* [arc_count] rows of nearer cells: row r's are targets[starts[r]] to targets[starts[r + 1] - 1] */
+  size_t *starts;    /* [row_count + 1] */
+  uint32_t *targets; /* [arc_count] places of nearer rows: those of place i are targets[starts[i]] to
+                        targets[starts[i + 1] - 1] */
   size_t target_capacity;
   uint32_t *pending; /* [row_count] how many arcs lead to the row */
 
-  uint32_t *pairs; /* the arcs as (far row, near row), in the order in which faces stand */
+  uint32_t *part_list;
+  uint32_t *pairs; /* the arcs as (far, near), in the order in which faces stand */
   size_t pair_capacity;
   double *picture;
   int8_t *sides;                /* [face_count] 1: the eye is outside of the face */
   sort_box *boxes;              /* [face_count] in the picture of the moment */
-  uint32_t *leaving, *entering; /* [face_count] faces in the picture */
+  uint32_t *leaving, *entering; /* places of active faces in the picture */
   size_t leaving_count, entering_count;
   uint32_t *cell_starts; /* the grid: entering faces by cell */
   sort_grid_entry *entries;
@@ -60,5 +72,9 @@ void sort_gaps_release(cellist_context *context, sort_gaps *gaps);
 
 /* Finds all arcs of a view. Errors: OUT_OF_MEMORY. */
 cellist_result sort_gaps_find(cellist_context *context, sort_gaps *gaps, const sort_eye *eye);
+
+/* Finds the arcs of a view between the faces of some cells, those of one part only with those of the same.
+ * gaps->rows and part_list hold row_count rows, in any order, and the part of each. Errors: OUT_OF_MEMORY. */
+cellist_result sort_gaps_find_among(cellist_context *context, sort_gaps *gaps, const sort_eye *eye);
 
 #endif

@@ -57,12 +57,14 @@ static void make_frame(const double towards[3], double right[3], double up[3]) {
     up[k] = towards[(k + 1) % 3] * right[(k + 2) % 3] - towards[(k + 2) % 3] * right[(k + 1) % 3];
 }
 
-bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, double *picture, double *error) {
+bool sort_picture_project(const sort_boundary *boundary, const uint32_t *vertices, size_t count, const sort_eye *eye,
+                          double *picture, double *error) {
   double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for (size_t i = 0; i < boundary->vertex_count; i++) {
+  for (size_t i = 0; i < count; i++) {
+    const double *p = &boundary->positions[3 * (size_t)vertices[i]];
     for (size_t k = 0; k < 3; k++) {
-      low[k] = smaller(low[k], boundary->positions[3 * i + k]);
-      high[k] = larger(high[k], boundary->positions[3 * i + k]);
+      low[k] = smaller(low[k], p[k]);
+      high[k] = larger(high[k], p[k]);
     }
   }
   double middle[3], towards[3], distance = 0, radius = 0;
@@ -82,9 +84,10 @@ bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, do
   double right[3], up[3];
   make_frame(towards, right, up);
   double nearest = HUGE_VAL, widest = 0;
-  for (size_t i = 0; i < boundary->vertex_count; i++) {
+  for (size_t i = 0; i < count; i++) {
+    const size_t vertex = vertices[i];
     double v[3];
-    for (size_t k = 0; k < 3; k++) v[k] = boundary->positions[3 * i + k] - middle[k];
+    for (size_t k = 0; k < 3; k++) v[k] = boundary->positions[3 * vertex + k] - middle[k];
     double x = dot(v, right), y = dot(v, up);
     if (!eye->parallel) {
       const double depth = distance - dot(v, towards);
@@ -93,8 +96,8 @@ bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, do
       y /= depth;
       nearest = smaller(nearest, depth);
     }
-    picture[2 * i] = x;
-    picture[2 * i + 1] = y;
+    picture[2 * vertex] = x;
+    picture[2 * vertex + 1] = y;
     widest = larger(widest, larger(fabs(x), fabs(y)));
   }
   const double stretch = eye->parallel ? larger(1, radius / widest) : (distance + 2 * radius) / nearest;
@@ -102,7 +105,7 @@ bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, do
   if (isfinite(*error)) return true;
   if (!eye->parallel) return false;
   /* No extent, or too large a one for doubles: all in one place, so that exact tests decide everything. */
-  memset(picture, 0, boundary->vertex_count * 2 * sizeof *picture);
+  for (size_t i = 0; i < count; i++) picture[2 * (size_t)vertices[i]] = picture[2 * (size_t)vertices[i] + 1] = 0;
   *error = 0;
   return true;
 }

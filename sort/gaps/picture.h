@@ -11,10 +11,11 @@ typedef struct sort_box {
   double low[2], high[2];
 } sort_box;
 
-/* Projects all vertices onto one plane, if one through the eye has them all well on one side of it (always so in
- * a parallel view). picture: 2 vertex_count doubles, filled; *error bounds each coordinate's error, up to a projective
- * map that keeps turns. Returns false if the eye is among the vertices. */
-bool sort_picture_project(const sort_boundary *boundary, const sort_eye *eye, double *picture, double *error);
+/* Projects count vertices (listed by id) onto one plane, if one through the eye has them all well on one side of it
+ * (always so in a parallel view). picture: 2 vertex_count doubles, filled for these; *error bounds each coordinate's
+ * error, up to a projective map that keeps turns. Returns false if the eye is among the vertices. */
+bool sort_picture_project(const sort_boundary *boundary, const uint32_t *vertices, size_t count, const sort_eye *eye,
+                          double *picture, double *error);
 
 /* The box of a triangle in the picture above. */
 sort_box sort_picture_box(const double *picture, double error, const uint32_t corners[3]);

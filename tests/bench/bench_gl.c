@@ -187,8 +187,8 @@ static void bench_mesh(cellist_context *context, cellist_gl *gl, const char *nam
                                                .unit_distance = diagonal / 50};
   cellist_transfer transfer;
   check(context, cellist_transfer_load(context, &transfer_desc, &transfer), "ramp");
-  const cellist_sorter_desc sorter_desc = {arrays->point_count, arrays->positions, arrays->tet_count, arrays->tets,
-                                           arrays->neighbours};
+  const cellist_sorter_desc sorter_desc = {arrays->point_count, arrays->positions,  arrays->tet_count,
+                                           arrays->tets,        arrays->neighbours, NULL};
   cellist_sorter *sorter = NULL;
   check(context, cellist_sorter_create(context, &sorter_desc, &sorter), "sorter");
   uint32_t *order = malloc(arrays->tet_count * sizeof *order);

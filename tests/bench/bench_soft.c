@@ -48,8 +48,8 @@ static cellist_result measure(cellist_context *context, const char *name, uint32
     const cellist_transfer_desc desc = {.range = {scalar.minimum, scalar.maximum},
                                         .unit_distance = hypot(hypot(b[3] - b[0], b[4] - b[1]), b[5] - b[2]) / 50};
     const cellist_view view = cellist_view_orbit(b, 30.96, 34.45);
-    const cellist_sorter_desc sorted = {arrays->point_count, arrays->positions, arrays->tet_count, arrays->tets,
-                                        arrays->neighbours};
+    const cellist_sorter_desc sorted = {arrays->point_count, arrays->positions,  arrays->tet_count,
+                                        arrays->tets,        arrays->neighbours, NULL};
     order = malloc(arrays->tet_count * sizeof *order);
     result = order != NULL ? cellist_transfer_load(context, &desc, &transfer) : CELLIST_ERROR_OUT_OF_MEMORY;
     if (result == CELLIST_SUCCESS) result = cellist_frame_from_view(context, &view, size, size, &frame);

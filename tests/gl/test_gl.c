@@ -40,8 +40,8 @@ static cellist_mesh *make_box(cellist_context *context, uint32_t n, const double
 
 static uint32_t *sort_mesh(cellist_context *context, const cellist_mesh *mesh, const cellist_frame *frame) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
-  const cellist_sorter_desc desc = {arrays->point_count, arrays->positions, arrays->tet_count, arrays->tets,
-                                    arrays->neighbours};
+  const cellist_sorter_desc desc = {arrays->point_count, arrays->positions,  arrays->tet_count,
+                                    arrays->tets,        arrays->neighbours, NULL};
   cellist_viewpoint viewpoint = {.parallel = frame->parallel};
   memcpy(viewpoint.position, frame->parallel ? frame->forward : frame->eye, sizeof viewpoint.position);
   cellist_sorter *sorter = NULL;

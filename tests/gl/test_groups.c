@@ -102,8 +102,8 @@ static cellist_frame look(const scene *made, int which) {
 
 static void sort(scene *made, const cellist_frame *frame) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(made->mesh);
-  const cellist_sorter_desc desc = {arrays->point_count, arrays->positions, arrays->tet_count, arrays->tets,
-                                    arrays->neighbours};
+  const cellist_sorter_desc desc = {arrays->point_count, arrays->positions,  arrays->tet_count,
+                                    arrays->tets,        arrays->neighbours, NULL};
   cellist_viewpoint viewpoint = {.parallel = frame->parallel};
   memcpy(viewpoint.position, frame->parallel ? frame->forward : frame->eye, sizeof viewpoint.position);
   cellist_sorter *sorter = NULL;

@@ -73,8 +73,8 @@ static void close_scene(struct scene *scene) {
 static void compare(struct scene *scene, const cellist_frame *frame, const cellist_gl_settings *settings, double *rmse,
                     double *most) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(scene->mesh);
-  const cellist_sorter_desc desc = {arrays->point_count, arrays->positions, arrays->tet_count, arrays->tets,
-                                    arrays->neighbours};
+  const cellist_sorter_desc desc = {arrays->point_count, arrays->positions,  arrays->tet_count,
+                                    arrays->tets,        arrays->neighbours, NULL};
   cellist_viewpoint viewpoint = {.parallel = frame->parallel};
   memcpy(viewpoint.position, frame->parallel ? frame->forward : frame->eye, sizeof viewpoint.position);
   cellist_sorter *sorter = NULL;

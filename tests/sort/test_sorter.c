@@ -41,7 +41,7 @@ TEST(bad_arrays_and_views_are_named)
   double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
   uint32_t tets[] = {0, 1, 2, 3, 1, 2, 3, 4};
   uint32_t neighbours[] = {1, CELLIST_NONE, CELLIST_NONE, CELLIST_NONE, CELLIST_NONE, CELLIST_NONE, CELLIST_NONE, 0};
-  cellist_sorter_desc desc = {5, points, 2, tets, neighbours};
+  cellist_sorter_desc desc = {5, points, 2, tets, neighbours, NULL};
   cellist_sorter *sorter = NULL;
   const cellist_result invalid = CELLIST_ERROR_INVALID_ARGUMENT;
   assert_failure(context, cellist_sorter_create(context, NULL, &sorter), invalid, "NULL");

@@ -15,6 +15,26 @@ extern "C" {
 
 typedef struct cellist_sorter cellist_sorter;
 
+/* The mesh made convex: its cells and imaginary cells that fill the rest of its convex hull, as cellist_complex_arrays
+ * has them. Sorting with a complex is exact, as without, and for most concave meshes cheaper. */
+typedef struct cellist_sorter_complex {
+  size_t cell_count;    /* the tets, then the imaginary cells, all of them convex */
+  size_t point_count;   /* the mesh's points, bit for bit, then others that planes need */
+  const double *points; /* [3 point_count] */
+  size_t offset_count;
+  const double *offsets; /* [offset_count] where planes across an axis stand */
+  /* A plane is {p0, p1, p2}, three point ids, and its positive side is where cellist_orient3d(p0, p1, p2, x) > 0; or
+   * {CELLIST_NONE, axis, i}, axis 0..2, and its positive side is where x[axis] > offsets[i]. */
+  size_t plane_count;
+  const uint32_t *planes; /* [3 plane_count] */
+  /* A facet is where two cells meet in a plane. Two tets that are neighbours need none; every other contact of two
+   * cells does, and every face of a tet on the outer surface. Flat tets on the mesh's boundary may be left out. */
+  size_t facet_count;
+  const uint32_t *facet_planes; /* [facet_count] */
+  const uint32_t *facet_cells;  /* [2 facet_count] the cell on the plane's positive side, then the one on its negative;
+                                   CELLIST_NONE: nothing */
+} cellist_sorter_complex;
+
 /* What a sorter sorts. Every array is the caller's and is borrowed: it must stay as it is while the sorter lives.
  * {0} is valid: no cells. Cells in Hilbert order are sorted two to three times faster than cells in disorder. */
 typedef struct cellist_sorter_desc {
@@ -25,6 +45,9 @@ typedef struct cellist_sorter_desc {
   /* [4 tet_count] the tet across the face opposite to corner k, or CELLIST_NONE. Tets are each other's neighbours or
    * neither is the other's, and lie on the two sides of the face that they share. */
   const uint32_t *neighbours;
+  /* NULL: cells with a gap between them are put in order by where their faces overlap. A convex mesh needs none. The
+   * struct is read by cellist_sorter_create, its arrays are borrowed. */
+  const cellist_sorter_complex *complex;
 } cellist_sorter_desc;
 
 /* Where a view looks from. */
@@ -39,9 +62,12 @@ typedef struct cellist_sort_stats {
   size_t group_count;   /* sets of cells that lie in front of each other in a circle */
   size_t largest_group; /* cells */
   size_t cells_in_groups;
-  size_t exact_sign_count;    /* faces so nearly in line with the eye that floating point could not decide */
-  size_t gap_candidate_count; /* pairs of boundary faces that were looked at */
-  size_t gap_arc_count;       /* pairs of boundary faces that put one cell in front of another one */
+  size_t exact_sign_count;     /* faces so nearly in line with the eye that floating point could not decide */
+  size_t imaginary_cell_count; /* sorted with the tets, and not in the order */
+  size_t left_cell_count;      /* tets that no topological sort could put in order: cycles and what lies in front */
+  size_t component_cell_count; /* tets in cycles with imaginary cells, which gap arcs took apart */
+  size_t gap_candidate_count;  /* pairs of boundary faces that were looked at */
+  size_t gap_arc_count;        /* pairs of boundary faces that put one cell in front of another one */
 } cellist_sort_stats;
 
 /* A group of the order: order[begin] to order[begin + count - 1] lie in front of each other in a circle, so that no
@@ -53,11 +79,9 @@ typedef struct cellist_group {
 /* Makes a sorter.
  * Arrays: see cellist_sorter_desc; borrowed. *sorter is the caller's, for cellist_sorter_destroy.
  * Errors: INVALID_ARGUMENT (an array is NULL, a point id or neighbour out of range, neighbours that do not know each
- *   other), GEOMETRY (a coordinate that is not finite, a tet of negative volume, neighbours on the same
- *   side of their face), UNSUPPORTED (2^30 tets or more),
- *   OUT_OF_MEMORY; the message names the tet.
- * Threads: one call per context at a time; the context must outlive the sorter.
- * Cost: linear. */
+ *   other, a complex of another mesh), GEOMETRY (a coordinate that is not finite, a tet of negative volume, neighbours
+ * on the same side of their face), UNSUPPORTED (2^30 tets or more), OUT_OF_MEMORY; the message names the tet. Threads:
+ * one call per context at a time; the context must outlive the sorter. Cost: linear. */
 CELLIST_API cellist_result cellist_sorter_create(cellist_context *context, const cellist_sorter_desc *desc,
                                                  cellist_sorter **sorter);
 
@@ -69,7 +93,8 @@ CELLIST_API void cellist_sorter_destroy(cellist_sorter *sorter);
  * Arrays: order has tet_count entries and is the caller's; stats may be NULL.
  * Errors: INVALID_ARGUMENT (NULL, a position that is not finite, a direction of length 0), OUT_OF_MEMORY.
  * Threads: one call per sorter at a time, using the context's workers; the same order for any number of workers.
- * Cost: see the module's README; memory of earlier calls is used again. */
+ * Cost: see the module's README. Memory is made by cellist_sorter_create and the first call; later calls allocate only
+ *   where a view has more than twice the gap arcs of those before, or a convex mesh has cycles. */
 CELLIST_API cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint,
                                                uint32_t *order, cellist_sort_stats *stats);
 
