@@ -3,6 +3,7 @@
 #include "view_options.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The view of the project's own comparisons. */
@@ -22,9 +23,44 @@ void view_options_init(view_options *options, option_spec table[VIEW_OPTION_COUN
       {"orbit", "AZIMUTH,ELEVATION", "look at the whole mesh from this direction, in degrees (30.96,34.45)",
        OPTION_NUMBERS, &options->orbit},
       {"near", "D", "show nothing nearer than this depth (0)", OPTION_NUMBER, &options->near_distance},
+      {"clip", "NX,NY,NZ,D", "show only x with n.x <= D; or a box X0,Y0,Z0,X1,Y1,Z1; may be repeated (16 planes)",
+       OPTION_TEXTS, &options->clips},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
   memcpy(table, filled, sizeof filled);
+}
+
+/* Numbers separated by commas, all finite; returns how many, 0 if the text is anything else. */
+static size_t parse_numbers(const char *text, double *numbers, size_t capacity) {
+  for (size_t count = 0; count < capacity;) {
+    char *end = NULL;
+    numbers[count++] = strtod(text, &end);
+    if (end == text || !isfinite(numbers[count - 1])) return 0;
+    if (*end == '\0') return count;
+    if (*end != ',') return 0;
+    text = end + 1;
+  }
+  return 0;
+}
+
+static const char *resolve_clips(const text_list *clips, cellist_view *view) {
+  static const char too_many[] = "there may be 16 clip planes at most; a box is six of them";
+  for (size_t i = 0; i < clips->count; i++) {
+    double n[6];
+    switch (parse_numbers(clips->value[i], n, 6)) {
+      case 4:
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0) return "--clip NX,NY,NZ,D needs a direction that is not 0";
+        if (view->clip_count == CELLIST_MAX_CLIP_PLANES) return too_many;
+        view->clips[view->clip_count++] = (cellist_clip_plane){{n[0], n[1], n[2]}, n[3]};
+        break;
+      case 6:
+        if (n[0] > n[3] || n[1] > n[4] || n[2] > n[5]) return "--clip needs the box's lower corner first";
+        if (!cellist_view_clip_box(view, n)) return too_many;
+        break;
+      default: return "--clip needs a plane NX,NY,NZ,D or a box X0,Y0,Z0,X1,Y1,Z1";
+    }
+  }
+  return NULL;
 }
 
 const char *view_options_resolve(const view_options *options, const double bounds[6], cellist_view *view) {
@@ -45,7 +81,7 @@ const char *view_options_resolve(const view_options *options, const double bound
   view->fovy_degrees = options->fovy;
   view->parallel_height = isnan(options->parallel) ? 0 : options->parallel;
   view->near_distance = options->near_distance;
-  return NULL;
+  return resolve_clips(&options->clips, view);
 }
 
 cellist_view view_turned(const cellist_view *view, double fraction) {

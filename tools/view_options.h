@@ -11,9 +11,10 @@ typedef struct view_options {
   number_list eye, target, up, orbit;
   double fovy, near_distance;
   double parallel; /* NaN: perspective */
+  text_list clips;
 } view_options;
 
-enum { VIEW_OPTION_COUNT = 8 };
+enum { VIEW_OPTION_COUNT = 9 };
 
 /* Sets the defaults and fills the table, which refers to options. */
 void view_options_init(view_options *options, option_spec table[VIEW_OPTION_COUNT]);

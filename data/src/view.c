@@ -44,6 +44,39 @@ cellist_view cellist_view_orbit(const double bounds[6], double azimuth_degrees, 
   return view;
 }
 
+bool cellist_view_clip_box(cellist_view *view, const double box[6]) {
+  if (view->clip_count + 6 > CELLIST_MAX_CLIP_PLANES) return false;
+  for (int i = 0; i < 6; i++) {
+    const double sign = i < 3 ? -1 : 1;
+    cellist_clip_plane *plane = &view->clips[view->clip_count++];
+    *plane = (cellist_clip_plane){{0, 0, 0}, sign * box[i]};
+    plane->normal[i % 3] = sign;
+  }
+  return true;
+}
+
+/* Scaled by powers of two, which is exact unless it underflows, so that no product overflows later. */
+static cellist_result copy_clips(cellist_context *context, const cellist_view *view, cellist_frame *frame) {
+  if (view->clip_count > CELLIST_MAX_CLIP_PLANES)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the view has %u clip planes; there may be %d",
+                        view->clip_count, CELLIST_MAX_CLIP_PLANES);
+  frame->clip_count = view->clip_count;
+  for (uint32_t i = 0; i < view->clip_count; i++) {
+    const cellist_clip_plane *plane = &view->clips[i];
+    const double *n = plane->normal;
+    const double largest = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
+    if (!isfinite(n[0]) || !isfinite(n[1]) || !isfinite(n[2]) || !(largest > 0) || !isfinite(plane->offset))
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                          "clip plane %u (%g,%g,%g, %g) has no direction or is not finite", i, n[0], n[1], n[2],
+                          plane->offset);
+    int exponent = 0;
+    frexp(largest, &exponent);
+    for (int k = 0; k < 3; k++) frame->clips[i].normal[k] = ldexp(n[k], -exponent);
+    frame->clips[i].offset = ldexp(plane->offset, -exponent);
+  }
+  return CELLIST_SUCCESS;
+}
+
 cellist_result cellist_frame_from_view(cellist_context *context, const cellist_view *view, uint32_t width,
                                        uint32_t height, cellist_frame *frame) {
   if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
@@ -79,8 +112,9 @@ cellist_result cellist_frame_from_view(cellist_context *context, const cellist_v
   cross(made.up, made.right, made.forward);
   made.half_height = parallel ? 0.5 * view->parallel_height : tan(0.5 * view->fovy_degrees * DEGREE);
   made.half_width = made.half_height * width / height;
-  *frame = made;
-  return CELLIST_SUCCESS;
+  const cellist_result result = copy_clips(context, view, &made);
+  if (result == CELLIST_SUCCESS) *frame = made;
+  return result;
 }
 
 void cellist_frame_ray(const cellist_frame *frame, double x, double y, double origin[3], double direction[3]) {
@@ -91,4 +125,25 @@ void cellist_frame_ray(const cellist_frame *frame, double x, double y, double or
     origin[k] = frame->eye[k] + (frame->parallel ? offset : 0);
     direction[k] = frame->forward[k] + (frame->parallel ? 0 : offset);
   }
+}
+
+void cellist_frame_interval(const cellist_frame *frame, const double origin[3], const double direction[3],
+                            double interval[2]) {
+  double from = frame->near_distance, to = HUGE_VAL;
+  for (uint32_t i = 0; i < frame->clip_count; i++) {
+    const cellist_clip_plane *plane = &frame->clips[i];
+    const double speed = dot(plane->normal, direction), left = plane->offset - dot(plane->normal, origin);
+    if (speed > 0) {
+      const double t = left / speed;
+      to = t < to ? t : to;
+    } else if (speed < 0) {
+      const double t = left / speed;
+      from = t > from ? t : from;
+    } else if (left < 0) {
+      to = -HUGE_VAL;
+    }
+  }
+  const bool sees = from < to;
+  interval[0] = sees ? from : HUGE_VAL;
+  interval[1] = sees ? to : -HUGE_VAL;
 }

@@ -101,6 +101,7 @@ cellist_result cellist_gl_create(cellist_context *context, const cellist_gl_desc
 static void release_objects(cellist_gl *gl) {
   const gl_api *api = &gl->api;
   gl_target_release(api, &gl->target);
+  gl_limits_release(api, &gl->limits);
   gl_groups_release(gl);
   const GLuint *programs = &gl->programs[0][0][0];
   for (size_t i = 0; i < sizeof gl->programs / sizeof *programs; i++)
@@ -293,7 +294,12 @@ static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_i
                       maximum ? CELLIST_FRAMEBUFFER_32F : drawing->settings->framebuffer, drawing->with_depth, maximum);
   if (result != CELLIST_SUCCESS) return result;
   bind_buffers(drawing);
-  result = draw_order(drawing, order);
+  drawing->with_limits = gl_limits_needed(frame);
+  if (drawing->with_limits) {
+    api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
+    result = gl_limits_make(gl->context, api, frame, &gl->limits);
+  }
+  if (result == CELLIST_SUCCESS) result = draw_order(drawing, order);
   if (result == CELLIST_SUCCESS) result = gl_check_errors(gl, "drawing");
   if (result == CELLIST_SUCCESS)
     result = gl_target_read(gl->context, api, &gl->target, maximum ? drawing->transfer : NULL, gl->scale, image);

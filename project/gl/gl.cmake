@@ -10,7 +10,7 @@ if(NOT OSMESA_FOUND AND NOT EGL_FOUND)
   message(FATAL_ERROR "gl: neither OSMesa nor EGL was found; install libosmesa6-dev or libegl-dev, or leave gl out of CELLIST_MODULES")
 endif()
 
-set(gl_sources api batch cells context footprint gl groups integrators intervals light program stages target)
+set(gl_sources api batch cells context footprint gl groups integrators intervals light limits program stages target)
 set(gl_libraries "")
 set(gl_packages "")
 foreach(backend IN ITEMS OSMESA EGL GLFW)

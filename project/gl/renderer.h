@@ -8,6 +8,7 @@
 #include "cells.h"
 #include "context.h"
 #include "integrators.h"
+#include "limits.h"
 #include "target.h"
 
 /* What a program does with a fragment of a cell (or, to resolve, with a pixel). */
@@ -24,8 +25,15 @@ typedef enum gl_stage {
 /* Members of a small group, at most: each fragment then looks at all of them. As MOST in small_groups.frag. */
 enum { GL_SMALL_GROUP = 16 };
 
-/* One program for each projection, with and without depth, with and without light by gradients at points. */
-enum { GL_VARIANT_PARALLEL = 1, GL_VARIANT_DEPTH = 2, GL_VARIANT_LIT = 4, GL_VARIANT_COUNT = 8 };
+/* One program for each projection, with and without depth, with and without light by gradients at points, with and
+ * without limits of rays. */
+enum {
+  GL_VARIANT_PARALLEL = 1,
+  GL_VARIANT_DEPTH = 2,
+  GL_VARIANT_LIT = 4,
+  GL_VARIANT_LIMITS = 8,
+  GL_VARIANT_COUNT = 16
+};
 
 /* Cells that are prepared and sent together: up to 296 bytes each then stay below 10 MB. */
 enum { GL_CHUNK_CELLS = 32768 };
@@ -59,6 +67,7 @@ struct cellist_gl {
   double *gradients; /* [3 points] once a frame was lit by them */
   gl_scale scale;
   gl_target target;
+  gl_limits limits;
   GLuint programs[GL_STAGE_COUNT][GL_INTEGRATOR_COUNT][GL_VARIANT_COUNT];
   GLuint query, vertices, no_vertices;
   GLuint corner_buffer;
@@ -79,7 +88,7 @@ typedef struct gl_drawing {
   const cellist_transfer *transfer;
   const cellist_gl_settings *settings;
   size_t order_count;
-  bool with_depth;
+  bool with_depth, with_limits;
   gl_intervals intervals;
   gl_cells cells;
   bool set_up[GL_STAGE_COUNT]; /* the stage's uniforms have this frame's values */
@@ -88,7 +97,15 @@ typedef struct gl_drawing {
 } gl_drawing;
 
 /* Texture units of the samplers. */
-enum { GL_UNIT_RECORDS, GL_UNIT_INTERVALS, GL_UNIT_EXTRAS, GL_UNIT_LIGHTS, GL_UNIT_LAST_LAYER, GL_UNIT_LAYER_COLOUR };
+enum {
+  GL_UNIT_RECORDS,
+  GL_UNIT_INTERVALS,
+  GL_UNIT_EXTRAS,
+  GL_UNIT_LIGHTS,
+  GL_UNIT_LAST_LAYER,
+  GL_UNIT_LAYER_COLOUR,
+  GL_UNIT_LIMITS
+};
 
 /* Makes the stage's program current, compiled when first used. */
 cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage);

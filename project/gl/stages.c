@@ -36,8 +36,9 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
   fragment[count++] = stages[stage].main;
   fragment[count] = NULL;
   char defines[256];
-  snprintf(defines, sizeof defines, "%s%s%s", before, variant & GL_VARIANT_PARALLEL ? "#define PARALLEL\n" : "",
-           variant & GL_VARIANT_DEPTH ? "#define WITH_DEPTH\n" : "");
+  snprintf(defines, sizeof defines, "%s%s%s%s", before, variant & GL_VARIANT_PARALLEL ? "#define PARALLEL\n" : "",
+           variant & GL_VARIANT_DEPTH ? "#define WITH_DEPTH\n" : "",
+           variant & GL_VARIANT_LIMITS ? "#define WITH_LIMITS\n" : "");
   return gl_program_build(gl->context, &gl->api, stages[stage].nodes != NULL ? 430 : 410, defines, vertex, fragment,
                           program);
 }
@@ -62,7 +63,8 @@ static void set_uniforms(const gl_drawing *drawing, GLuint program) {
     GLint unit;
   } samplers[] = {{"records", GL_UNIT_RECORDS},       {"intervals", GL_UNIT_INTERVALS},
                   {"extras", GL_UNIT_EXTRAS},         {"lights", GL_UNIT_LIGHTS},
-                  {"last_layer", GL_UNIT_LAST_LAYER}, {"layer_colour", GL_UNIT_LAYER_COLOUR}};
+                  {"last_layer", GL_UNIT_LAST_LAYER}, {"layer_colour", GL_UNIT_LAYER_COLOUR},
+                  {"limits", GL_UNIT_LIMITS}};
   const gl_api *api = &drawing->gl->api;
   const cellist_frame *frame = drawing->frame;
   for (size_t i = 0; i < sizeof samplers / sizeof samplers[0]; i++)
@@ -78,9 +80,9 @@ static void set_uniforms(const gl_drawing *drawing, GLuint program) {
 cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage) {
   cellist_gl *gl = drawing->gl;
   const gl_integrator integrator = gl_integrator_of(&drawing->settings->optics);
-  const unsigned variant = (drawing->frame->parallel ? GL_VARIANT_PARALLEL : 0) |
-                           (drawing->with_depth ? GL_VARIANT_DEPTH : 0) |
-                           (drawing->cells.light.gradients != NULL ? GL_VARIANT_LIT : 0);
+  const unsigned variant =
+      (drawing->frame->parallel ? GL_VARIANT_PARALLEL : 0) | (drawing->with_depth ? GL_VARIANT_DEPTH : 0) |
+      (drawing->with_limits ? GL_VARIANT_LIMITS : 0) | (drawing->cells.light.gradients != NULL ? GL_VARIANT_LIT : 0);
   GLuint *program = &gl->programs[stage][integrator][variant];
   if (*program == 0) {
     const cellist_result result = build(gl, stage, integrator, variant, program);

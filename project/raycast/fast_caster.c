@@ -191,8 +191,7 @@ static cellist_result set_up_scene(fast_caster *caster, const cellist_frame *fra
   scene->reciprocal = scene->perspective && depth[0] > NEAREST_RECIPROCAL * depth[1];
   scene->sheared = scene->perspective && !scene->reciprocal;
   if (frame->parallel) scene->depth_offset = 0.5 * depth[0] + 0.5 * depth[1];
-  scene->clips = frame->near_distance > depth[0];
-  scene->near = (float)((frame->near_distance - scene->depth_offset) / scene->unit);
+  scene->clips = frame->near_distance > depth[0] || frame->clip_count > 0;
   const cellist_result result = set_up_rays(caster, frame, scene);
   if (result != CELLIST_SUCCESS) return result;
   return fast_transfer_create(caster->context, transfer, caster->scalar->minimum, caster->scalar->maximum, scene->unit,
@@ -216,6 +215,21 @@ static bool keep_retries(cellist_context *context, const fast_scene *scene, stru
   return true;
 }
 
+/* What is seen of each ray, as the walk counts depths. */
+static void set_limits(const struct frame_job *job, fast_tile *tile) {
+  const fast_scene *scene = &job->scene;
+  for (uint32_t y = 0; y < tile->height; y++)
+    for (uint32_t x = 0; x < tile->width; x++) {
+      const uint32_t at = y * FAST_TILE + x;
+      if (tile->first[at] == CELLIST_NONE) continue;
+      double origin[3], direction[3], limits[2];
+      cellist_frame_ray(job->frame, tile->left + x + 0.5, tile->top + y + 0.5, origin, direction);
+      cellist_frame_interval(job->frame, origin, direction, limits);
+      tile->near[at] = (float)((limits[0] - scene->depth_offset) / scene->unit);
+      tile->far[at] = (float)((limits[1] - scene->depth_offset) / scene->unit);
+    }
+}
+
 static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
   struct frame_job *job = user;
   fast_caster *caster = job->caster;
@@ -228,6 +242,7 @@ static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
       return;
     }
     hand->entry_count += tile->entry_count;
+    if (job->scene.clips) set_limits(job, tile);
     /* An empty tile has nothing to walk; an empty mesh not even the cell 0 in which idle lanes rest. */
     if (job->walk != NULL && tile->entry_count > 0) job->walk(&job->scene, tile);
     for (uint32_t at = 0; at < FAST_TILE_PIXELS; at++) {

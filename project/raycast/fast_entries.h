@@ -55,7 +55,8 @@ typedef struct fast_tile {
   uint32_t left, top, width, height; /* of its pixels in the image */
   size_t entry_count, entry_capacity;
   fast_entry *entries;
-  uint32_t first[FAST_TILE_PIXELS]; /* entry; CELLIST_NONE: the ray misses the mesh */
+  uint32_t first[FAST_TILE_PIXELS];                    /* entry; CELLIST_NONE: the ray misses the mesh */
+  float near[FAST_TILE_PIXELS], far[FAST_TILE_PIXELS]; /* scene depths between which rays are seen; if it clips */
   fast_pixel pixels[FAST_TILE_PIXELS];
   size_t retry_count;
   uint16_t retries[FAST_TILE_PIXELS]; /* pixels whose ray got lost: to be cast by other means */

@@ -28,10 +28,9 @@ typedef struct fast_scene {
   bool has_nan;              /* some scalar is NaN */
   bool sheared;              /* rays are not parallel, and vertices may lie behind the eye: x - rx a */
   bool reciprocal;           /* a = 1/z */
-  bool clips;                /* something may lie before the near plane */
+  bool clips;                /* something may lie outside of what is seen of a ray: tiles hold limits */
   bool wants_depth;          /* fill z and z_back */
   bool perspective;
-  float near;                 /* depth of the near plane */
   double unit, depth_offset;  /* world depth = unit * z + depth_offset */
   uint32_t width, height;     /* of the image */
   const float *ray_x, *ray_y; /* [width], [height] */

@@ -22,6 +22,7 @@ struct group {
   fast_light8 light;
   fast_interval8 interval;
   __m256 first_z, last_z;
+  __m256 near, far; /* what is seen of the ray; only if the scene clips */
   __m256i cell_count, piece_count;
   __m256 active;
   uint32_t pixel[LANES], entry[LANES];
@@ -89,6 +90,10 @@ static bool enter(const fast_scene *scene, const fast_tile *tile, struct group *
     put(&group->light.transmittance, mask, 1);
     put(&group->first_z, mask, INFINITY);
     put(&group->last_z, mask, -INFINITY);
+    if (scene->clips) {
+      put(&group->near, mask, tile->near[at]);
+      put(&group->far, mask, tile->far[at]);
+    }
     put_id(&group->cell_count, mask, 0);
     put_id(&group->piece_count, mask, 0);
     group->folded[lane] = false;
@@ -151,7 +156,8 @@ static void end_chain(struct queue *queue, struct group *group, int lane, bool i
   fast_tile *tile = queue->tile;
   if (!is_lost) {
     const uint32_t next = tile->entries[group->entry[lane]].next;
-    if (next == CELLIST_NONE || lane_of(group->light.transmittance, lane) < queue->scene->transfer.opaque) {
+    if (next == CELLIST_NONE || lane_of(group->light.transmittance, lane) < queue->scene->transfer.opaque ||
+        (queue->scene->clips && tile->entries[next].z >= tile->far[group->pixel[lane]])) {
       finish(queue, group, lane);
       take_next(queue, group, lane);
       return;
@@ -275,14 +281,20 @@ static inline void add_cells(const fast_scene *scene, struct group *group, __m25
   fast_interval8 *in = &group->interval;
   __m256i counted = _mm256_castps_si256(group->active);
   if (scene->clips) {
-    const __m256 near = _mm256_set1_ps(scene->near);
-    counted = _mm256_castps_si256(_mm256_and_ps(group->active, _mm256_cmp_ps(next_z, near, _CMP_GT_OQ)));
-    const __m256 before = _mm256_cmp_ps(z, near, _CMP_LT_OQ);
-    if (fast_any(_mm256_and_ps(before, lanes))) {
-      lanes = _mm256_and_ps(lanes, _mm256_castsi256_ps(counted));
-      const __m256 w = _mm256_div_ps(_mm256_sub_ps(near, z), _mm256_sub_ps(next_z, z));
-      s = fast_select(_mm256_and_ps(before, lanes), _mm256_fmadd_ps(w, _mm256_sub_ps(next_s, s), s), s);
+    const __m256 near = group->near, far = group->far;
+    const __m256 seen = _mm256_and_ps(_mm256_cmp_ps(next_z, near, _CMP_GT_OQ), _mm256_cmp_ps(z, far, _CMP_LT_OQ));
+    counted = _mm256_castps_si256(_mm256_and_ps(group->active, seen));
+    lanes = _mm256_and_ps(lanes, seen);
+    const __m256 before = _mm256_and_ps(_mm256_cmp_ps(z, near, _CMP_LT_OQ), lanes);
+    const __m256 beyond = _mm256_and_ps(_mm256_cmp_ps(next_z, far, _CMP_GT_OQ), lanes);
+    if (fast_any(_mm256_or_ps(before, beyond))) {
+      const __m256 extent = _mm256_sub_ps(next_z, z), rise = _mm256_sub_ps(next_s, s);
+      const __m256 near_s = _mm256_fmadd_ps(_mm256_div_ps(_mm256_sub_ps(near, z), extent), rise, s);
+      const __m256 far_s = _mm256_fmadd_ps(_mm256_div_ps(_mm256_sub_ps(far, z), extent), rise, s);
+      s = fast_select(before, near_s, s);
       z = fast_select(before, near, z);
+      next_s = fast_select(beyond, far_s, next_s);
+      next_z = fast_select(beyond, far, next_z);
     }
   }
   group->cell_count = _mm256_sub_epi32(group->cell_count, counted);
@@ -387,7 +399,8 @@ static inline int step(const fast_scene *scene, fast_layout layout, struct group
   group->s = next_s;
 
   const __m256i outside = _mm256_cmpeq_epi32(group->cell, _mm256_set1_epi32((int)CELLIST_NONE));
-  const __m256 hidden = _mm256_cmp_ps(group->light.transmittance, _mm256_set1_ps(scene->transfer.opaque), _CMP_LT_OQ);
+  __m256 hidden = _mm256_cmp_ps(group->light.transmittance, _mm256_set1_ps(scene->transfer.opaque), _CMP_LT_OQ);
+  if (scene->clips) hidden = _mm256_or_ps(hidden, _mm256_cmp_ps(next_z, group->far, _CMP_GE_OQ));
   *lost = bad;
   return bad | (active & _mm256_movemask_ps(_mm256_or_ps(_mm256_castsi256_ps(outside), hidden)));
 }

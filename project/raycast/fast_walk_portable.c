@@ -9,17 +9,23 @@ struct ray {
   float rx, ry, stretch; /* length per depth */
   uint32_t interval;     /* of the transfer function, holds the scalar */
   float reached;         /* depth up to which the ray has been followed */
+  float near, far;       /* what is seen of it */
 };
 
 static void add_cell(struct ray *ray, float z, float s, float next_z, float next_s) {
   const fast_scene *scene = ray->scene;
   fast_pixel *pixel = ray->pixel;
-  if (next_z > scene->near || !scene->clips) pixel->cell_count++;
+  if (!(next_z > ray->near && z < ray->far)) return;
+  pixel->cell_count++;
   if (isnan(s) || isnan(next_s) || !(next_z > z)) return;
-  if (scene->clips && z < scene->near) {
-    if (next_z <= scene->near) return;
-    s += (scene->near - z) / (next_z - z) * (next_s - s);
-    z = scene->near;
+  const float extent = next_z - z, rise = next_s - s, enters = z, entry_s = s;
+  if (z < ray->near) {
+    s = entry_s + (ray->near - enters) / extent * rise;
+    z = ray->near;
+  }
+  if (next_z > ray->far) {
+    next_s = entry_s + (ray->far - enters) / extent * rise;
+    next_z = ray->far;
   }
   const float before = pixel->light.transmittance;
   uint32_t interval = ray->interval;
@@ -66,7 +72,7 @@ static inline bool walk_chain(struct ray *ray, fast_stand *stand, fast_layout la
     s = next.s;
     ray->reached = z;
     if (stand->place.cell == CELLIST_NONE) return true;
-    if (ray->pixel->light.transmittance < scene->transfer.opaque) return true;
+    if (ray->pixel->light.transmittance < scene->transfer.opaque || z >= ray->far) return true;
   }
 }
 
@@ -77,11 +83,14 @@ static inline void walk_pixel(const fast_scene *scene, fast_tile *tile, uint32_t
                     .pixel = pixel,
                     .rx = scene->ray_x[tile->left + at % FAST_TILE],
                     .ry = scene->ray_y[tile->top + at / FAST_TILE],
-                    .reached = -INFINITY};
+                    .reached = -INFINITY,
+                    .near = scene->clips ? tile->near[at] : -INFINITY,
+                    .far = scene->clips ? tile->far[at] : INFINITY};
   ray.stretch = fast_ray_stretch(scene, ray.rx, ray.ry);
   bool folded = false;
   for (uint32_t e = tile->first[at]; e != CELLIST_NONE; e = tile->entries[e].next) {
     fast_stand stand;
+    if (tile->entries[e].z >= ray.far) break;
     if (!fast_enter(scene, tile->entries[e].face, ray.rx, ray.ry, &stand)) continue;
     folded = folded || stand.now.z < ray.reached - FAST_FOLD_TOLERANCE * (1 + fabsf(ray.reached));
     if (fast_is_edge_on(stand.p, stand.w) || !walk_chain(&ray, &stand, layout, &tile->step_count)) {

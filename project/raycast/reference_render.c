@@ -7,6 +7,7 @@
 
 #include "outputs.h"
 #include "raycaster.h"
+#include "reference_limits.h"
 #include "reference_shade.h"
 #include "reference_walk.h"
 #include "slopes.h"
@@ -42,7 +43,8 @@ static void draw_pixel(struct job *job, uint32_t x, uint32_t y, struct hand *han
   ray_walker *walker = &hand->walker;
   double origin[3], direction[3];
   cellist_frame_ray(job->frame, x + 0.5, y + 0.5, origin, direction);
-  if (!walk_ray(walker, origin, direction, job->frame->near_distance)) {
+  const walk_limits limits = limits_of_ray(job->frame, origin, direction);
+  if (!walk_ray(walker, origin, direction, &limits)) {
     atomic_store(&job->failed, true);
     return;
   }

@@ -8,8 +8,8 @@
  *
  * In a sound mesh the chains follow one another. Where two overlap (crushed meshes, folds), their segments are merged
  * by depth: a picture that is finite and repeats, and the ray is counted. The line is followed from minus infinity, and
- * what lies before the near plane is cut off at the end: a camera inside the mesh, on a face or on a vertex is no
- * special case. */
+ * what lies before the near plane, or beyond other limits, is cut off at the end: a camera inside the mesh, on a face
+ * or on a vertex is no special case. */
 #include "reference_walk.h"
 
 #include <math.h>
@@ -124,13 +124,14 @@ static void fill_segment(const ray_walker *walker, walk_segment *segment, uint32
   }
 }
 
-static void cut_at_near(walk_segment *segment, double near_distance) {
-  const double share = (near_distance - segment->t[0]) / (segment->t[1] - segment->t[0]);
-  segment->t[0] = near_distance;
-  segment->t_error[0] = 0;
-  segment->scalar[0] = (1 - share) * segment->scalar[0] + share * segment->scalar[1];
+/* Moves one end of the segment (0: front, 1: back) to where the limit is, between its ends. */
+static void cut_end(walk_segment *segment, int end, const walk_limits *limits) {
+  const double share = (limits->t[end] - segment->t[0]) / (segment->t[1] - segment->t[0]);
+  segment->t[end] = limits->t[end];
+  segment->t_error[end] = limits->t_error[end];
+  segment->scalar[end] = (1 - share) * segment->scalar[0] + share * segment->scalar[1];
   for (int k = 0; k < 3; k++)
-    segment->gradient[0][k] = (1 - share) * segment->gradient[0][k] + share * segment->gradient[1][k];
+    segment->gradient[end][k] = (1 - share) * segment->gradient[0][k] + share * segment->gradient[1][k];
 }
 
 static bool is_drawn(const ray_walker *walker, uint32_t tet) {
@@ -142,9 +143,9 @@ static bool is_drawn(const ray_walker *walker, uint32_t tet) {
 }
 
 static bool add_segment(ray_walker *walker, uint32_t tet, const struct crossing *front, const struct crossing *back,
-                        double near_distance) {
+                        const walk_limits *limits) {
   walker->step_count++;
-  if (!(back->t > near_distance)) return true;
+  if (!(back->t > limits->t[0] && front->t < limits->t[1])) return true;
   walker->ray_steps++;
   if (!(back->t > front->t) || !is_drawn(walker, tet)) return true;
   if (!reserve(walker->context, (void **)&walker->segments, &walker->segment_capacity, walker->segment_count + 1,
@@ -153,7 +154,9 @@ static bool add_segment(ray_walker *walker, uint32_t tet, const struct crossing 
   walk_segment *segment = &walker->segments[walker->segment_count++];
   *segment = (walk_segment){0};
   fill_segment(walker, segment, tet, front, back);
-  if (segment->t[0] < near_distance) cut_at_near(segment, near_distance);
+  if (segment->t[0] < limits->t[0]) cut_end(segment, 0, limits);
+  if (segment->t[1] > limits->t[1]) cut_end(segment, 1, limits);
+  if (!(segment->t[1] > segment->t[0])) walker->segment_count--;
   return true;
 }
 
@@ -195,7 +198,7 @@ static uint32_t pass_tet(ray_walker *walker, const uint32_t tet[4], struct passe
 }
 
 /* Follows one chain; *leaves_at is where it ends. */
-static bool walk_chain(ray_walker *walker, uint32_t entry_face, double near_distance, double *leaves_at) {
+static bool walk_chain(ray_walker *walker, uint32_t entry_face, const walk_limits *limits, double *leaves_at) {
   const cellist_mesh_arrays *mesh = walker->mesh;
   struct passed_face face, entry;
   (void)face_side(walker, entry_face, entry.corner, entry.is_tie);
@@ -212,7 +215,7 @@ static bool walk_chain(ray_walker *walker, uint32_t entry_face, double near_dist
       back.t_error += front.t - back.t;
       back.t = front.t;
     }
-    if (!add_segment(walker, tet, &front, &back, near_distance)) return false;
+    if (!add_segment(walker, tet, &front, &back, limits)) return false;
     front = back;
   }
   *leaves_at = front.t;
@@ -235,7 +238,7 @@ static void merge_chain(walk_segment *segments, size_t chain_begin, size_t count
   }
 }
 
-bool walk_ray(ray_walker *walker, const double origin[3], const double direction[3], double near_distance) {
+bool walk_ray(ray_walker *walker, const double origin[3], const double direction[3], const walk_limits *limits) {
   walker->entry_count = walker->segment_count = 0;
   walker->ray_steps = 0;
   line_begin(&walker->line, walker->mesh->positions, walker->mesh->bounds, origin, direction);
@@ -247,7 +250,7 @@ bool walk_ray(ray_walker *walker, const double origin[3], const double direction
     const double enters_at = walker->entries[i].t;
     const size_t chain_begin = walker->segment_count;
     double leaves_at = enters_at;
-    if (!walk_chain(walker, walker->entries[i].face, near_distance, &leaves_at)) return false;
+    if (!walk_chain(walker, walker->entries[i].face, limits, &leaves_at)) return false;
     if (enters_at < reached) {
       merge_chain(walker->segments, chain_begin, walker->segment_count);
       const double tolerance = FOLD_TOLERANCE * fmax(fabs(enters_at), fmax(fabs(reached), fabs(leaves_at)));

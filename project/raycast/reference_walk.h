@@ -8,7 +8,13 @@
 #include "hierarchy.h"
 #include "line.h"
 
-/* The part of a ray that lies in one cell, beyond the near plane. The scalar is linear between its ends. */
+/* The part of a ray that is seen: from the near plane or a clip plane on, up to a clip plane or a surface. */
+typedef struct walk_limits {
+  double t[2];       /* the ray's parameter; t[0] > t[1]: nothing is seen */
+  double t_error[2]; /* how far they may be off */
+} walk_limits;
+
+/* The part of a ray that lies in one cell, within the limits. The scalar is linear between its ends. */
 typedef struct walk_segment {
   double t[2];       /* the ray's parameter at the front and at the back */
   double t_error[2]; /* how far they may be off */
@@ -40,12 +46,12 @@ typedef struct ray_walker {
   size_t segment_count, segment_capacity;
 
   uint64_t ray_count, total_entries, step_count, retry_count, fold_ray_count; /* over all rays so far */
-  uint32_t ray_steps; /* cells of this ray beyond the near plane */
+  uint32_t ray_steps;                                                         /* cells of this ray within the limits */
 } ray_walker;
 
 /* Fills segments for the ray; segments of zero length and cells without a finite scalar are left out. Returns false if
  * there was no memory. */
-bool walk_ray(ray_walker *walker, const double origin[3], const double direction[3], double near_distance);
+bool walk_ray(ray_walker *walker, const double origin[3], const double direction[3], const walk_limits *limits);
 
 void walk_release(ray_walker *walker);
 

@@ -99,6 +99,12 @@ static inline d4 d4_all(double a) { return _mm256_set1_pd(a); }
 static inline d4 d4_load(const double *p) { return _mm256_loadu_pd(p); }
 static inline void d4_store(double *p, d4 a) { _mm256_storeu_pd(p, a); }
 static inline void d4_store_float(float *p, d4 a) { _mm_storeu_ps(p, _mm256_cvtpd_ps(a)); }
+/* Eight differences of doubles, rounded once. */
+static inline f8 f8_differences(const double *p, double from) {
+  const d4 low = _mm256_sub_pd(_mm256_loadu_pd(p), _mm256_set1_pd(from));
+  const d4 high = _mm256_sub_pd(_mm256_loadu_pd(p + 4), _mm256_set1_pd(from));
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1);
+}
 static inline d4 d4_add(d4 a, d4 b) { return _mm256_add_pd(a, b); }
 static inline d4 d4_sub(d4 a, d4 b) { return _mm256_sub_pd(a, b); }
 static inline d4 d4_mul(d4 a, d4 b) { return _mm256_mul_pd(a, b); }
@@ -213,6 +219,7 @@ static inline void d4_store(double *p, d4 a) {
 static inline void d4_store_float(float *p, d4 a) {
   for (int i = 0; i < 4; i++) p[i] = (float)a.v[i];
 }
+static inline f8 f8_differences(const double *p, double from) { LANES_EACH(f8, 8, (float)(p[i] - from)); }
 static inline d4 d4_add(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] + b.v[i]); }
 static inline d4 d4_sub(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] - b.v[i]); }
 static inline d4 d4_mul(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] * b.v[i]); }

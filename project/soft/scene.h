@@ -29,7 +29,8 @@ typedef struct soft_scene {
    * views starts at (.., .., 0) and goes along (0, 0, 1). */
   double across, across_step, upward, upward_step;
   double near;
-  double unit; /* world length of 1 */
+  const cellist_frame *frame; /* whose clip planes limit each ray; NULL: the near plane alone does */
+  double unit;                /* world length of 1 */
   uint32_t width, height, tiles_across;
   const uint32_t *tets, *order;
   const soft_vertex *vertices;
@@ -68,6 +69,9 @@ typedef struct soft_worker {
   size_t sort_capacity;
   float (*pixels)[4]; /* [SOFT_TILE_PIXELS] colour gathered so far, and transmittance */
   float *z, *z_back;  /* [SOFT_TILE_PIXELS] */
+  /* [SOFT_TILE_PIXELS + 8] places (1/depth, in parallel views -depth) between which each ray is seen, far below near;
+   * only where the scene has a frame. Eight more, since vectors are loaded whole. */
+  double *near_place, *far_place;
   uint64_t fragment_count, careful_count;
 } soft_worker;
 

@@ -59,8 +59,10 @@ static cellist_result create_workers(cellist_soft *soft) {
     worker->pixels = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->pixels);
     worker->z = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z);
     worker->z_back = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z_back);
-    if (worker->pixels == NULL || worker->z == NULL || worker->z_back == NULL ||
-        !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
+    worker->near_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->near_place);
+    worker->far_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->far_place);
+    if (worker->pixels == NULL || worker->z == NULL || worker->z_back == NULL || worker->near_place == NULL ||
+        worker->far_place == NULL || !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
       return CELLIST_ERROR_OUT_OF_MEMORY;
   }
   return CELLIST_SUCCESS;
@@ -111,6 +113,8 @@ void cellist_soft_destroy(cellist_soft *soft) {
     cellist_deallocate(context, worker->pixels);
     cellist_deallocate(context, worker->z);
     cellist_deallocate(context, worker->z_back);
+    cellist_deallocate(context, worker->near_place);
+    cellist_deallocate(context, worker->far_place);
   }
   cellist_deallocate(context, soft->workers);
   cellist_deallocate(context, soft->scalars);
@@ -162,6 +166,7 @@ static soft_scene scene_of(const cellist_soft *soft, const cellist_frame *frame,
                       .across_step = 2 * half_width / frame->width,
                       .upward_step = -2 * half_height / frame->height,
                       .near = frame->near_distance / soft->unit,
+                      .frame = frame->clip_count > 0 ? frame : NULL,
                       .unit = soft->unit,
                       .width = frame->width,
                       .height = frame->height,

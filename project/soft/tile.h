@@ -22,6 +22,7 @@ typedef struct tile_cell {
   uint32_t cell;
   soft_rect rect;
   int32_t origin; /* of the rectangle, as a pixel of the tile */
+  double place;   /* as the record has it, from which fragments' ends are measured */
 } tile_cell;
 
 static inline void put_record(const cell_batch *batch, int lane, soft_record *record) {
@@ -35,10 +36,11 @@ static inline void put_record(const cell_batch *batch, int lane, soft_record *re
   record->s_high = batch->record[7][lane];
 }
 
-/* faces: exits first, exit_count of them. Inlined with a constant count, so that the loops over faces unroll. */
+/* faces: exits first, exit_count of them. Inlined with a constant count, so that the loops over faces unroll.
+ * limits: whose near_place and far_place to keep to; NULL: near_limit is that of every pixel. */
 static inline __attribute__((always_inline)) void fill_rows(const tile_cell *cell, const int faces[4],
                                                             const int exit_count, float near_limit,
-                                                            soft_fragments *fragments) {
+                                                            const soft_worker *limits, soft_fragments *fragments) {
   static const float ramp[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   static const int32_t step[8] = {0, 0x10001, 0x20002, 0x30003, 0x40004, 0x50005, 0x60006, 0x70007};
   const cell_batch *batch = cell->batch;
@@ -60,6 +62,11 @@ static inline __attribute__((always_inline)) void fill_rows(const tile_cell *cel
       f8 leaves = value[0], enters = limit;
       for (int k = 1; k < exit_count; k++) leaves = f8_max(leaves, value[k]);
       for (int k = exit_count; k < 4; k++) enters = f8_min(value[k], enters);
+      if (limits != NULL) {
+        const size_t pixel = (size_t)(cell->origin + y * SOFT_TILE + x);
+        enters = f8_min(enters, f8_differences(limits->near_place + pixel, cell->place));
+        leaves = f8_max(leaves, f8_differences(limits->far_place + pixel, cell->place));
+      }
       const unsigned covered = m8_bits(f8_greater(enters, leaves)) & inside;
       if (covered == 0) continue;
       const size_t at = fragments->count;
@@ -74,21 +81,21 @@ static inline __attribute__((always_inline)) void fill_rows(const tile_cell *cel
   }
 }
 
-static inline void fill_plain(const soft_scene *scene, const tile_cell *cell, soft_fragments *fragments) {
+static inline void fill_plain(const soft_scene *scene, const soft_worker *limits, const tile_cell *cell,
+                              soft_fragments *fragments) {
   const cell_batch *batch = cell->batch;
   int faces[4], exit_count = 0, entry_count = 0;
   for (int k = 0; k < 4; k++)
     if (!(batch->is_entry[k] >> cell->lane & 1)) faces[exit_count++] = k;
   for (int k = 0; k < 4; k++)
     if (batch->is_entry[k] >> cell->lane & 1) faces[exit_count + entry_count++] = k;
-  const double place = batch->record[5][cell->lane];
-  const float near_limit = (float)((scene->parallel ? -scene->near : 1 / scene->near) - place);
+  const float near_limit = (float)((scene->parallel ? -scene->near : 1 / scene->near) - cell->place);
   const size_t before = fragments->count;
   switch (exit_count) {
-    case 1: fill_rows(cell, faces, 1, near_limit, fragments); break;
-    case 2: fill_rows(cell, faces, 2, near_limit, fragments); break;
-    case 3: fill_rows(cell, faces, 3, near_limit, fragments); break;
-    case 4: fill_rows(cell, faces, 4, near_limit, fragments); break;
+    case 1: fill_rows(cell, faces, 1, near_limit, limits, fragments); break;
+    case 2: fill_rows(cell, faces, 2, near_limit, limits, fragments); break;
+    case 3: fill_rows(cell, faces, 3, near_limit, limits, fragments); break;
+    case 4: fill_rows(cell, faces, 4, near_limit, limits, fragments); break;
     default: return; /* no face is left through: rounding, of a cell thinner than it */
   }
   if (fragments->count > before) put_record(batch, cell->lane, &fragments->records[fragments->record_count++]);
@@ -142,14 +149,15 @@ static inline bool cut_by_plane(const careful_plane *plane, bool parallel, doubl
   return true;
 }
 
-/* One pixel in double precision: false if the cell does not cover it. The record's reference ray is the pixel's own. */
+/* One pixel in double precision: false if the cell does not cover it. The record's reference ray is the pixel's own.
+ * limits: places between which the ray is seen, near and far. */
 static inline bool careful_pixel(const soft_scene *scene, const tile_cell *cell, const careful_plane planes[4],
-                                 double u, double v, soft_record *record, float *near_end) {
+                                 double u, double v, const double limits[2], soft_record *record, float *near_end) {
   const cell_batch *batch = cell->batch;
   const int lane = cell->lane;
   const bool parallel = scene->parallel;
-  double leaves = parallel ? -batch->z_high[lane] : 1 / batch->z_high[lane];
-  double enters = parallel ? -scene->near : 1 / scene->near;
+  double leaves = fmax(parallel ? -batch->z_high[lane] : 1 / batch->z_high[lane], limits[1]);
+  double enters = limits[0];
   for (int k = 0; k < 4; k++)
     if (!cut_by_plane(&planes[k], parallel, u, v, &leaves, &enters)) return false;
   if (!parallel) enters = fmin(enters, ENTRY_LIMIT * leaves);
@@ -169,7 +177,8 @@ static inline bool careful_pixel(const soft_scene *scene, const tile_cell *cell,
   return true;
 }
 
-static void fill_careful(const soft_scene *scene, const tile_cell *cell, soft_fragments *fragments) {
+static void fill_careful(const soft_scene *scene, const soft_worker *limits, const tile_cell *cell,
+                         soft_fragments *fragments) {
   const soft_rect rect = cell->rect;
   if (!(cell->batch->z_high[cell->lane] > 0) && !scene->parallel) return;
   careful_plane planes[4];
@@ -179,11 +188,17 @@ static void fill_careful(const soft_scene *scene, const tile_cell *cell, soft_fr
     for (int x = rect.x0; x <= rect.x1; x++) {
       const size_t at = fragments->count;
       const double u = scene->across + scene->across_step * x;
-      if (!careful_pixel(scene, cell, planes, u, v, &fragments->records[fragments->record_count],
+      const int32_t pixel = cell->origin + (y - rect.y0) * SOFT_TILE + (x - rect.x0);
+      double seen[2] = {scene->parallel ? -scene->near : 1 / scene->near, -HUGE_VAL};
+      if (limits != NULL) {
+        seen[0] = limits->near_place[pixel];
+        seen[1] = limits->far_place[pixel];
+      }
+      if (!careful_pixel(scene, cell, planes, u, v, seen, &fragments->records[fragments->record_count],
                          &fragments->near_end[at]))
         continue;
       fragments->far_end[at] = 0;
-      fragments->where[at] = cell->origin + (y - rect.y0) * SOFT_TILE + (x - rect.x0);
+      fragments->where[at] = pixel;
       fragments->cell[at] = (int32_t)fragments->record_count++;
       fragments->count++;
     }
@@ -210,6 +225,7 @@ static inline soft_rect cut_rect(soft_rect rect, uint32_t left, uint32_t top) {
 static bool fill_entries(const soft_scene *scene, soft_worker *worker, uint32_t left, uint32_t top, size_t first,
                          size_t last, bool keep) {
   soft_fragments *fragments = &worker->fragments;
+  const soft_worker *limits = scene->frame != NULL ? worker : NULL;
   size_t since = 0;
   while (last > first) {
     const int count = last - first < 4 ? (int)(last - first) : 4;
@@ -225,15 +241,19 @@ static bool fill_entries(const soft_scene *scene, soft_worker *worker, uint32_t 
     cells_set_up(scene, cell, rect, &batch);
     for (int i = 0; i < count; i++) {
       if (!(batch.usable >> i & 1)) continue;
-      const tile_cell one = {&batch, i, cell[i], rect[i],
-                             (int32_t)((rect[i].y0 - top) * SOFT_TILE + (rect[i].x0 - left))};
+      const tile_cell one = {&batch,
+                             i,
+                             cell[i],
+                             rect[i],
+                             (int32_t)((rect[i].y0 - top) * SOFT_TILE + (rect[i].x0 - left)),
+                             batch.record[5][i]};
       const size_t area = (size_t)(rect[i].x1 - rect[i].x0 + 1) * (size_t)(rect[i].y1 - rect[i].y0 + 1);
       if (!soft_fragments_reserve(scene->context, fragments, area)) return false;
       if (batch.careful >> i & 1) {
         worker->careful_count++;
-        fill_careful(scene, &one, fragments);
+        fill_careful(scene, limits, &one, fragments);
       } else {
-        fill_plain(scene, &one, fragments);
+        fill_plain(scene, limits, &one, fragments);
       }
       if (keep || fragments->count < SHADE_AT) continue;
       since += fragments->count;
@@ -288,6 +308,25 @@ static void store_tile(const soft_scene *scene, const soft_worker *worker, uint3
     }
 }
 
+/* What is seen of each ray of the tile. */
+static void set_limits(const soft_scene *scene, soft_worker *worker, uint32_t left, uint32_t top) {
+  for (uint32_t y = 0; y < SOFT_TILE && top + y < scene->height; y++)
+    for (uint32_t x = 0; x < SOFT_TILE && left + x < scene->width; x++) {
+      double origin[3], direction[3], limits[2];
+      cellist_frame_ray(scene->frame, left + x + 0.5, top + y + 0.5, origin, direction);
+      cellist_frame_interval(scene->frame, origin, direction, limits);
+      const size_t at = (size_t)y * SOFT_TILE + x;
+      const bool sees = limits[0] < limits[1];
+      if (scene->parallel) {
+        worker->near_place[at] = -limits[0] / scene->unit;
+        worker->far_place[at] = -limits[1] / scene->unit;
+      } else {
+        worker->near_place[at] = sees ? scene->unit / limits[0] : 0; /* at depth 0: infinity */
+        worker->far_place[at] = sees ? scene->unit / limits[1] : HUGE_VAL;
+      }
+    }
+}
+
 static bool draw_tile(const soft_scene *scene, soft_worker *worker, size_t tile) {
   const uint32_t left = (uint32_t)(tile % scene->tiles_across) * SOFT_TILE;
   const uint32_t top = (uint32_t)(tile / scene->tiles_across) * SOFT_TILE;
@@ -297,6 +336,7 @@ static bool draw_tile(const soft_scene *scene, soft_worker *worker, size_t tile)
     worker->z_back[i] = 0;
   }
   worker->fragments.count = worker->fragments.record_count = 0;
+  if (scene->frame != NULL) set_limits(scene, worker, left, top);
   if (!fill_tile(scene, worker, left, top, scene->tile_begin[tile], scene->tile_begin[tile + 1])) return false;
   store_tile(scene, worker, left, top);
   return true;

@@ -10,6 +10,8 @@
 
 enum { POINTS = 14 };
 
+static const walk_limits WHOLE_RAY = {.t = {0, HUGE_VAL}};
+
 typedef struct garbage {
   cast_scene scene;
   face_hierarchy hierarchy;
@@ -50,7 +52,7 @@ static void check_order(garbage *made, const double origin[3], const double dire
   ray_walker *walker = &made->walker;
   const uint64_t steps = walker->step_count;
   bool passed[40] = {false};
-  assert_true(walk_ray(walker, origin, direction, 0));
+  assert_true(walk_ray(walker, origin, direction, &WHOLE_RAY));
   assert_true(walker->step_count - steps <= walker->mesh->tet_count);
   for (size_t s = 0; s < walker->segment_count; s++) {
     const walk_segment *segment = &walker->segments[s];

@@ -6,6 +6,8 @@
 #include "harness.h"
 #include "scene.h"
 
+static const walk_limits WHOLE_RAY = {.t = {0, HUGE_VAL}};
+
 typedef struct walk_setup {
   cast_scene scene;
   face_hierarchy hierarchy;
@@ -35,7 +37,8 @@ static void setup_destroy(walk_setup *setup) {
 static double shoot(walk_setup *setup, const double origin[3], const double direction[3], double near_distance,
                     bool *connected) {
   ray_walker *walker = &setup->walker;
-  assert_true(walk_ray(walker, origin, direction, near_distance));
+  const walk_limits limits = {.t = {near_distance, HUGE_VAL}};
+  assert_true(walk_ray(walker, origin, direction, &limits));
   double total = 0;
   *connected = true;
   for (size_t i = 0; i < walker->segment_count; i++) {
@@ -162,7 +165,7 @@ TEST(nearly_degenerate_rays_agree_with_the_exact_ones)
     ray_walker *walker = &setup.walker;
     double total[2] = {0, 0};
     for (int i = 0; i < 2; i++) {
-      assert_true(walk_ray(walker, i ? moved : origin, direction, 0));
+      assert_true(walk_ray(walker, i ? moved : origin, direction, &WHOLE_RAY));
       for (size_t s = 0; s < walker->segment_count; s++) {
         total[i] += walker->segments[s].t[1] - walker->segments[s].t[0];
         assert_true(s == 0 || walker->segments[s].t[0] == walker->segments[s - 1].t[1]);
@@ -253,7 +256,7 @@ TEST(overlapping_cells_end_and_are_counted)
   walk_setup setup;
   setup_create(&setup, 2 * grid.point_count, points, 2 * grid.tet_count, tets);
   const double through_both[] = {-3, 1, 1}, along[] = {1, 0, 0}, through_one[] = {-3, 0.5, 0.5};
-  assert_true(walk_ray(&setup.walker, through_both, along, 0));
+  assert_true(walk_ray(&setup.walker, through_both, along, &WHOLE_RAY));
   assert_int_equal(setup.walker.fold_ray_count, 1);
   double total = 0;
   for (size_t s = 0; s < setup.walker.segment_count; s++) {
@@ -262,7 +265,7 @@ TEST(overlapping_cells_end_and_are_counted)
     assert_true(s == 0 || segment->t[0] + segment->t[1] >= segment[-1].t[0] + segment[-1].t[1]);
   }
   assert_true(fabs(total - 4) < 1e-12);
-  assert_true(walk_ray(&setup.walker, through_one, along, 0));
+  assert_true(walk_ray(&setup.walker, through_one, along, &WHOLE_RAY));
   assert_int_equal(setup.walker.fold_ray_count, 1);
   setup_destroy(&setup);
   free(points);
@@ -273,7 +276,7 @@ TEST(overlapping_cells_end_and_are_counted)
   const uint32_t fold_tets[] = {0, 1, 2, 3, 0, 1, 2, 4};
   setup_create(&setup, 5, fold_points, 2, fold_tets);
   const double below[] = {0.2, 0.2, -1}, up[] = {0, 0, 1};
-  assert_true(walk_ray(&setup.walker, below, up, 0));
+  assert_true(walk_ray(&setup.walker, below, up, &WHOLE_RAY));
   assert_int_equal(setup.walker.fold_ray_count, 1);
   assert_int_equal(setup.walker.segment_count, 2);
   setup_destroy(&setup);
@@ -307,7 +310,7 @@ static void compare_with_small_shift(const char *name) {
       origin[k] = mesh->positions[3 * a + k] - (round % 2 ? 0 : 64) * direction[k];
     }
     for (int displaced = 0; displaced < 2; displaced++) {
-      assert_true(walk_ray(walker, origin, direction, 0));
+      assert_true(walk_ray(walker, origin, direction, &WHOLE_RAY));
       for (size_t s = 0; s < walker->segment_count; s++)
         total[displaced] += walker->segments[s].t[1] - walker->segments[s].t[0];
       origin[walker->line.x] += 1e-7 * size;

@@ -15,7 +15,11 @@ uniform samplerBuffer records;
 flat in int record;
 uniform vec2 centre;         // of the image, in pixels
 uniform vec2 slope;          // across one pixel at depth 1
+#ifdef WITH_LIMITS
+uniform sampler2D limits;    // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
+#else
 uniform float near_distance;
+#endif
 
 const float BIG = 3.0e38;
 
@@ -37,14 +41,27 @@ bool meet(int record, vec2 pixel, out segment met) {
   // in parallel of depth. It leaves before the plane where another back face is nearer, or where it never meets the
   // plane (sum < 0).
   float sum = weight.x + weight.y + weight.z;
+  float exit = 0.0;
+#ifdef WITH_LIMITS
+  vec2 seen_between = texelFetch(limits, ivec2(pixel), 0).xy;
+#endif
 #ifdef PARALLEL
   weight /= sum;
   float face_depth = dot(weight, tail.xyz);
+#ifdef WITH_LIMITS
+  float entry = face_depth - seen_between.x;
+  exit = max(exit, face_depth - seen_between.y);
+#else
   float entry = face_depth - near_distance;
+#endif
+#else
+#ifdef WITH_LIMITS
+  float entry = seen_between.x - sum;
+  exit = max(exit, seen_between.y - sum);
 #else
   float entry = near_distance > 0.0 ? 1.0 / near_distance - sum : BIG;
 #endif
-  float exit = 0.0;
+#endif
   for (int i = 0; i < 3; i++) {
     if (eye_weight[i] < 0.0)
       entry = min(entry, max(weight[i], 0.0) / -eye_weight[i]);

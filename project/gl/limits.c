@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Limits: what a frame's clip planes leave of every pixel's ray. The processor works them out, because it has the
+ * doubles; next to drawing the cells a frame's worth of them costs nothing. */
+#include "limits.h"
+
+#include <math.h>
+
+enum { ROW_GRAIN = 8 };
+
+/* Instead of infinity, which not every shading language promises to compare. */
+static const float FAR_OFF = 3e38f;
+
+struct job {
+  const cellist_frame *frame;
+  float (*pixels)[2];
+};
+
+static float bounded(double value) { return (float)fmax(-FAR_OFF, fmin(FAR_OFF, value)); }
+
+/* OpenGL's rows go up, a picture's go down. */
+static void fill_rows(void *user, size_t begin, size_t end, unsigned worker) {
+  (void)worker;
+  const struct job *job = user;
+  const cellist_frame *frame = job->frame;
+  for (size_t y = begin; y < end; y++)
+    for (size_t x = 0; x < frame->width; x++) {
+      double origin[3], direction[3], seen[2];
+      cellist_frame_ray(frame, (double)x + 0.5, (double)y + 0.5, origin, direction);
+      cellist_frame_interval(frame, origin, direction, seen);
+      float *pixel = job->pixels[(frame->height - 1 - y) * frame->width + x];
+      if (frame->parallel) {
+        pixel[0] = bounded(seen[0]);
+        pixel[1] = bounded(seen[1]);
+      } else if (seen[0] < seen[1]) {
+        pixel[0] = bounded(1 / seen[0]);
+        pixel[1] = bounded(1 / seen[1]);
+      } else {
+        pixel[0] = 0;
+        pixel[1] = FAR_OFF;
+      }
+    }
+}
+
+bool gl_limits_needed(const cellist_frame *frame) { return frame->clip_count > 0; }
+
+cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame,
+                              gl_limits *limits) {
+  struct job job = {.frame = frame};
+  job.pixels = cellist_allocate(context, (size_t)frame->width * frame->height, sizeof *job.pixels);
+  if (job.pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  cellist_parallel_for(context, frame->height, ROW_GRAIN, fill_rows, &job);
+  if (limits->texture == 0) api->GenTextures(1, &limits->texture);
+  api->BindTexture(GL_TEXTURE_2D, limits->texture);
+  api->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  api->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  api->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  api->TexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, (GLsizei)frame->width, (GLsizei)frame->height, 0, GL_RG, GL_FLOAT,
+                  job.pixels);
+  limits->width = frame->width;
+  limits->height = frame->height;
+  cellist_deallocate(context, job.pixels);
+  return CELLIST_SUCCESS;
+}
+
+void gl_limits_release(const gl_api *api, gl_limits *limits) {
+  if (limits->texture != 0) api->DeleteTextures(1, &limits->texture);
+  *limits = (gl_limits){0};
+}
