@@ -290,7 +290,7 @@ static const char *check_options(const struct sort_options *options) {
   for (size_t p = 0; p < options->peers.count; p++) {
     size_t i = 0;
     while (cellist_peer_name(i) != NULL && strcmp(cellist_peer_name(i), options->peers.value[p]) != 0) i++;
-    if (cellist_peer_name(i) == NULL) return "--peer is one of centroid, centroid_compare, mpvo_nc, power";
+    if (cellist_peer_name(i) == NULL) return "--peer is one of centroid, centroid_compare, mpvo_nc, power, bsp_xmpvo";
   }
   return NULL;
 }
@@ -309,7 +309,7 @@ int command_sort(int argc, char **argv) {
       {"order", "FILE", "write the order: cell_id tet_index a line, far to near, groups in brackets", OPTION_TEXT,
        &options.order},
       {"verify", "RAYS", "cast that many rays over all views and count wrong pairs", OPTION_COUNT, &options.rays},
-      {"peer", "NAME", "also centroid, centroid_compare, mpvo_nc or power; may be repeated", OPTION_TEXTS,
+      {"peer", "NAME", "also centroid, centroid_compare, mpvo_nc, power or bsp_xmpvo; may be repeated", OPTION_TEXTS,
        &options.peers},
       {"json", "", "print what was found as one JSON object", OPTION_FLAG, &options.json},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},

@@ -9,6 +9,8 @@
 
 cellist_result peer_prepare_mpvo_nc(cellist_peer *peer) {
   const cellist_sorter_desc *mesh = &peer->mesh;
+  const cellist_result result = peer_prepare_centroids(peer);
+  if (result != CELLIST_SUCCESS) return result;
   peer->planes = cellist_allocate(peer->context, mesh->tet_count, 16 * sizeof *peer->planes);
   peer->stack = cellist_allocate(peer->context, mesh->tet_count, sizeof *peer->stack);
   peer->visited = cellist_allocate(peer->context, mesh->tet_count, sizeof *peer->visited);
@@ -63,7 +65,7 @@ static size_t search(cellist_peer *peer, const float eye[4], uint32_t from, uint
   }
 }
 
-void peer_sort_mpvo_nc(cellist_peer *peer, const sort_eye *eye, uint32_t *order) {
+cellist_result peer_sort_mpvo_nc(cellist_peer *peer, const sort_eye *eye, uint32_t *order) {
   const float at[4] = {(float)eye->at[0], (float)eye->at[1], (float)eye->at[2], eye->parallel ? 0 : 1};
   memset(peer->visited, 0, peer->mesh.tet_count);
   const size_t boundary_count = peer_fill_items(peer, eye, true);
@@ -73,4 +75,5 @@ void peer_sort_mpvo_nc(cellist_peer *peer, const sort_eye *eye, uint32_t *order)
     if (peer->visited[sorted[i].tet] == 0) count = search(peer, at, sorted[i].tet, order, count);
   for (uint32_t i = 0; i < peer->mesh.tet_count; i++) /* what no boundary cell lies in front of */
     if (peer->visited[i] == 0) count = search(peer, at, i, order, count);
+  return CELLIST_SUCCESS;
 }

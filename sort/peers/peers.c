@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Peers: centroid and power sort, as fast as they reasonably get on one thread: centres are made once, in floats; keys
- * are a float's bits. VTK's projected tetrahedra
- * are ordered by centroids (vtkCellCenterDepthSort). */
+ * are a float's bits. VTK's projected tetrahedra are ordered by centroids (vtkCellCenterDepthSort). */
 #include <math.h>
 #include <string.h>
 
@@ -95,18 +94,43 @@ peer_item *peer_radix_sort(peer_item *items, size_t count) {
   return from;
 }
 
-static bool is_less(peer_item a, peer_item b) { return a.key < b.key || (a.key == b.key && a.tet < b.tet); }
+static inline bool is_less(peer_item a, peer_item b) {
+  return ((uint64_t)a.key << 32 | a.tet) < ((uint64_t)b.key << 32 | b.tet);
+}
 
-/* Quicksort by the median of three, insertion sort below 24, the smaller side first. */
-static void quicksort(peer_item *items, size_t count) {
-  while (count > 24) {
-    peer_item a = items[0], b = items[count / 2], c = items[count - 1];
-    const peer_item pivot = is_less(a, b) ? (is_less(b, c)   ? b
-                                             : is_less(a, c) ? c
-                                                             : a)
-                                          : (is_less(a, c)   ? a
-                                             : is_less(b, c) ? c
-                                                             : b);
+/* The heap's item at `at` moves down to its place. */
+static void sift(peer_item *items, size_t at, size_t count) {
+  const peer_item moving = items[at];
+  for (size_t child = 2 * at + 1; child < count; child = 2 * at + 1) {
+    if (child + 1 < count && is_less(items[child], items[child + 1])) child++;
+    if (!is_less(moving, items[child])) break;
+    items[at] = items[child];
+    at = child;
+  }
+  items[at] = moving;
+}
+
+static void heapsort(peer_item *items, size_t count) {
+  for (size_t i = count / 2; i-- > 0;) sift(items, i, count);
+  for (size_t i = count; i-- > 1;) {
+    const peer_item last = items[i];
+    items[i] = items[0];
+    items[0] = last;
+    sift(items, 0, i);
+  }
+}
+
+/* Introsort (Musser 1997), which std::sort is: quicksort by the median of three, heapsort where that goes wrong. Runs
+ * of up to 16 stay as they are. */
+static void introsort(peer_item *items, size_t count, unsigned depth) {
+  while (count > 16) {
+    if (depth-- == 0) {
+      heapsort(items, count);
+      return;
+    }
+    const peer_item a = items[0], b = items[count / 2], c = items[count - 1];
+    const peer_item low = is_less(a, b) ? a : b, high = is_less(a, b) ? b : a;
+    const peer_item pivot = is_less(c, low) ? low : is_less(high, c) ? high : c;
     size_t i = 0, j = count - 1;
     for (;;) {
       while (is_less(items[i], pivot)) i++;
@@ -116,16 +140,13 @@ static void quicksort(peer_item *items, size_t count) {
       items[i++] = items[j];
       items[j--] = swap;
     }
-    const size_t split = j + 1;
-    if (split < count - split) {
-      quicksort(items, split);
-      items += split;
-      count -= split;
-    } else {
-      quicksort(&items[split], count - split);
-      count = split;
-    }
+    introsort(&items[j + 1], count - (j + 1), depth);
+    count = j + 1;
   }
+}
+
+static void sort_items(peer_item *items, size_t count) {
+  introsort(items, count, count > 1 ? 2 * (unsigned)(63 - __builtin_clzll(count)) : 1);
   for (size_t i = 1; i < count; i++) {
     const peer_item moving = items[i];
     size_t at = i;
@@ -134,28 +155,48 @@ static void quicksort(peer_item *items, size_t count) {
   }
 }
 
-static void sort_by_radix(cellist_peer *peer, const sort_eye *eye, uint32_t *order) {
+static cellist_result sort_by_radix(cellist_peer *peer, const sort_eye *eye, uint32_t *order) {
   const size_t count = peer_fill_items(peer, eye, false);
   const peer_item *sorted = peer_radix_sort(peer->items, count);
   for (size_t i = 0; i < count; i++) order[i] = sorted[i].tet;
+  return CELLIST_SUCCESS;
 }
 
-static void sort_by_comparison(cellist_peer *peer, const sort_eye *eye, uint32_t *order) {
+static cellist_result sort_by_comparison(cellist_peer *peer, const sort_eye *eye, uint32_t *order) {
   const size_t count = peer_fill_items(peer, eye, false);
-  quicksort(peer->items, count);
+  sort_items(peer->items, count);
   for (size_t i = 0; i < count; i++) order[i] = peer->items[i].tet;
+  return CELLIST_SUCCESS;
 }
 
-static const struct {
-  const char *name;
-  void (*sort)(cellist_peer *peer, const sort_eye *eye, uint32_t *order);
-} peers[] = {{"centroid", sort_by_radix},
-             {"centroid_compare", sort_by_comparison},
-             {"mpvo_nc", peer_sort_mpvo_nc},
-             {"power", sort_by_radix}};
-enum { PEER_COUNT = sizeof peers / sizeof peers[0] };
+static cellist_result allocate_items(cellist_peer *peer) {
+  peer->centres = cellist_allocate(peer->context, peer->mesh.tet_count, 4 * sizeof *peer->centres);
+  peer->items = cellist_allocate(peer->context, peer->mesh.tet_count, 2 * sizeof *peer->items);
+  return peer->centres != NULL && peer->items != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
+}
 
-const char *cellist_peer_name(size_t i) { return i < PEER_COUNT ? peers[i].name : NULL; }
+cellist_result peer_prepare_centroids(cellist_peer *peer) {
+  const cellist_result result = allocate_items(peer);
+  if (result == CELLIST_SUCCESS) make_centroids(peer);
+  return result;
+}
+
+static cellist_result prepare_circumspheres(cellist_peer *peer) {
+  const cellist_result result = allocate_items(peer);
+  if (result == CELLIST_SUCCESS) make_circumspheres(peer);
+  return result;
+}
+
+static const peer_kind kinds[] = {
+    {"centroid", peer_prepare_centroids, sort_by_radix, NULL},
+    {"centroid_compare", peer_prepare_centroids, sort_by_comparison, NULL},
+    {"mpvo_nc", peer_prepare_mpvo_nc, peer_sort_mpvo_nc, NULL},
+    {"power", prepare_circumspheres, sort_by_radix, NULL},
+    {"bsp_xmpvo", peer_prepare_bsp_xmpvo, peer_sort_bsp_xmpvo, peer_release_bsp_xmpvo},
+};
+enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
+
+const char *cellist_peer_name(size_t i) { return i < KIND_COUNT ? kinds[i].name : NULL; }
 
 cellist_result cellist_peer_create(cellist_context *context, const cellist_sorter_desc *mesh, const char *name,
                                    cellist_peer **peer) {
@@ -163,34 +204,26 @@ cellist_result cellist_peer_create(cellist_context *context, const cellist_sorte
   if (mesh == NULL || name == NULL || peer == NULL)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_peer_create: NULL");
   size_t which = 0;
-  while (which < PEER_COUNT && strcmp(peers[which].name, name) != 0) which++;
-  if (which == PEER_COUNT)
+  while (which < KIND_COUNT && strcmp(kinds[which].name, name) != 0) which++;
+  if (which == KIND_COUNT)
     return cellist_fail(context, CELLIST_ERROR_NOT_FOUND,
-                        "no peer '%s'; there are: centroid, centroid_compare, mpvo_nc, power", name);
+                        "no peer '%s'; there are: centroid, centroid_compare, mpvo_nc, power, bsp_xmpvo", name);
   cellist_peer *created = cellist_allocate_zeroed(context, 1, sizeof *created);
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   created->context = context;
   created->mesh = *mesh;
-  created->sort = peers[which].sort;
-  created->centres = cellist_allocate(context, mesh->tet_count, 4 * sizeof *created->centres);
-  created->items = cellist_allocate(context, mesh->tet_count, 2 * sizeof *created->items);
-  cellist_result result =
-      created->centres != NULL && created->items != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
-  if (result == CELLIST_SUCCESS && created->sort == peer_sort_mpvo_nc) result = peer_prepare_mpvo_nc(created);
-  if (result != CELLIST_SUCCESS) {
-    cellist_peer_destroy(created);
-    return result;
-  }
-  if (strcmp(name, "power") == 0)
-    make_circumspheres(created);
+  created->kind = &kinds[which];
+  const cellist_result result = created->kind->prepare(created);
+  if (result == CELLIST_SUCCESS)
+    *peer = created;
   else
-    make_centroids(created);
-  *peer = created;
-  return CELLIST_SUCCESS;
+    cellist_peer_destroy(created);
+  return result;
 }
 
 void cellist_peer_destroy(cellist_peer *peer) {
   if (peer == NULL) return;
+  if (peer->kind->release != NULL) peer->kind->release(peer);
   cellist_deallocate(peer->context, peer->centres);
   cellist_deallocate(peer->context, peer->planes);
   cellist_deallocate(peer->context, peer->items);
@@ -204,6 +237,5 @@ cellist_result cellist_peer_sort(cellist_peer *peer, const cellist_viewpoint *vi
   if (viewpoint == NULL || (order == NULL && peer->mesh.tet_count > 0))
     return cellist_fail(peer->context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_peer_sort: NULL");
   const sort_eye eye = sort_eye_of(viewpoint);
-  peer->sort(peer, &eye, order);
-  return CELLIST_SUCCESS;
+  return peer->kind->sort(peer, &eye, order);
 }
