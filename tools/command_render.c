@@ -111,14 +111,21 @@ static cellist_pipeline_desc pipeline_desc(const struct render_options *options,
   if (strcmp(options->renderer, "cast") == 0) desc.renderer = CELLIST_RENDERER_CAST;
   if (strcmp(options->backend, "osmesa") == 0) desc.backend = CELLIST_BACKEND_OSMESA;
   if (strcmp(options->backend, "egl") == 0) desc.backend = CELLIST_BACKEND_EGL;
+  if (strcmp(options->backend, "glfw") == 0) desc.backend = CELLIST_BACKEND_GLFW;
+  if (strcmp(options->framebuffer, "16f") == 0) desc.pixels = CELLIST_PIXELS_16F;
+  if (strcmp(options->framebuffer, "8") == 0) desc.pixels = CELLIST_PIXELS_8;
   if (options->tets != NULL) desc.tets = (uint32_t)strtoul(options->tets, NULL, 10);
   desc.precision = strcmp(options->precision, "fast") == 0 ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE;
   return desc;
 }
 
 int command_render(int argc, char **argv) {
-  struct render_options options = {
-      .size = {512, 512}, .frames = 1, .renderer = "auto", .backend = "auto", .precision = "fast"};
+  struct render_options options = {.size = {512, 512},
+                                   .frames = 1,
+                                   .renderer = "auto",
+                                   .backend = "auto",
+                                   .framebuffer = "32f",
+                                   .precision = "fast"};
   options.background.expected = 3;
   view_options camera;
   optics_options look;
@@ -137,7 +144,10 @@ int command_render(int argc, char **argv) {
        &options.precision},
       {"tets", "32|20|16", "of cast, fast: bytes a cell of the compact mesh (the fastest layout)", OPTION_CHOICE,
        &options.tets},
-      {"context", "auto|osmesa|egl", "where OpenGL comes from (auto)", OPTION_CHOICE, &options.backend},
+      {"context", "auto|osmesa|egl|glfw", "where OpenGL comes from; glfw needs a display (auto)", OPTION_CHOICE,
+       &options.backend},
+      {"framebuffer", "32f|16f|8", "of faces: bits of a colour that cells are blended in (32f)", OPTION_CHOICE,
+       &options.framebuffer},
       {"background", "R,G,B", "what PNG pictures are laid over, linear 0..1 (nothing: transparent)", OPTION_NUMBERS,
        &options.background},
       {"frames", "N", "draw N times; times are medians (1)", OPTION_COUNT, &options.frames},

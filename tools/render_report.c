@@ -47,6 +47,7 @@ int render_report_json(const struct render_outcome *outcome) {
   json_object_set_new(object, "precision", json_string(stats->precision));
   json_object_set_new(object, "error_bound", terminal_number(stats->error_bound));
   json_object_set_new(object, "context", json_string(stats->backend));
+  json_object_set_new(object, "framebuffer", json_string(stats->pixels));
   json_object_set_new(object, "cells",
                       json_integer((json_int_t)cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->tet_count));
   json_object_set_new(object, "scalar", terminal_text(cellist_pipeline_scalar(pipeline)->name));

@@ -10,7 +10,7 @@
 /* What the command was asked for. */
 struct render_options {
   text_list outputs;
-  const char *renderer, *backend, *precision, *tets;
+  const char *renderer, *backend, *framebuffer, *precision, *tets;
   unsigned size[2], frames, turntable, threads;
   number_list background;
   bool json, explain, no_plan;

@@ -142,6 +142,42 @@ case_explain_says_what_was_left_out() {
   expect 2 render sample:torus -o a.png --explain --no-plan
 }
 
+case_framebuffers_cost_their_rounding() {
+  needs_opengl
+  expect 0 render sample:ball -o cast.exr --renderer cast --size 256x256
+  for bits in 32f 16f 8; do
+    expect 0 render sample:ball -o $bits.exr --renderer faces --framebuffer $bits --size 256x256 --json
+    json "j['framebuffer'] == '$bits'"
+    expect 0 compare $bits.exr cast.exr --json
+    mv out $bits.json
+  done
+  python3 -c "
+import json, sys
+e = [json.load(open(n + '.json'))['rmse'] for n in ('32f', '16f', '8')]
+sys.exit(0 if e[0] < 1e-5 < e[1] < 5e-3 and e[1] < e[2] < 3e-2 else str(e))" || fail "errors are not of that size"
+  expect 2 render sample:ball -o a.exr --framebuffer 24
+}
+
+# A window is opened on a display that only this test sees.
+case_a_desktop_s_context_draws_the_same() {
+  needs_opengl
+  command -v Xvfb >/dev/null || { echo "skipped: no Xvfb" && exit 77; }
+  env -u DISPLAY "$cellist" render sample:torus -o none.exr --renderer faces --context glfw --size 64x64 >out 2>err \
+    && fail "a window without a display"
+  grep -q "not built in" err && { echo "skipped: built without GLFW" && exit 77; }
+  says GLFW
+  Xvfb -displayfd 3 -screen 0 64x64x24 -nolisten tcp 3>display >xvfb.log 2>&1 &
+  local server=$!
+  trap "kill $server" EXIT
+  for _ in $(seq 100); do [ -s display ] && break || sleep 0.1; done
+  [ -s display ] || fail "Xvfb does not start: $(cat xvfb.log)"
+  DISPLAY=:$(cat display) expect 0 render sample:torus -o glfw.exr --renderer faces --context glfw --size 128x128 --json
+  json "j['context'] == 'glfw'"
+  expect 0 render sample:torus -o auto.exr --renderer faces --size 128x128
+  expect 0 compare glfw.exr auto.exr --json
+  json "j['max_abs'] <= 1e-5 and j['covered_pixels'] > 500"
+}
+
 case_contexts_and_renderers_agree() {
   needs_opengl
   for source in sample:grid sample:ball; do

@@ -134,8 +134,8 @@ static cellist_result describe(const cellist_pipeline *pipeline, const cellist_f
            pipeline->scalar.name, pipeline->transfer.knots[0].value,
            pipeline->transfer.knots[pipeline->transfer.knot_count - 1].value, pipeline->unit_distance,
            stats->convention, pipeline->transfer.knot_count);
-  snprintf(method, sizeof method, "renderer %s integration %s context %s order %s", stats->renderer, stats->method,
-           stats->backend, stats->order);
+  snprintf(method, sizeof method, "renderer %s integration %s context %s framebuffer %s order %s", stats->renderer,
+           stats->method, stats->backend, stats->pixels, stats->order);
   cellist_result result = cellist_image_set_attribute(image, "owner", "cellist " CELLIST_VERSION_STRING);
   if (result == CELLIST_SUCCESS) result = cellist_image_set_attribute(image, "cellist camera", camera);
   if (result == CELLIST_SUCCESS) result = cellist_image_set_attribute(image, "cellist optics", optics);
@@ -157,7 +157,8 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
 
   static const char *const channels[] = {"R", "G", "B", "A", "Z", "ZBack", "transmittance.Y", "cells.Y", "segments.Y"};
   cellist_image *created = NULL;
-  cellist_pipeline_stats made = {.load_seconds = pipeline->load_seconds,
+  cellist_pipeline_stats made = {.pixels = "32f",
+                                 .load_seconds = pipeline->load_seconds,
                                  .prepare_seconds = pipeline->prepare_seconds,
                                  .transfer_knots = pipeline->transfer.knot_count,
                                  .unit_distance = pipeline->unit_distance};

@@ -47,7 +47,16 @@ typedef enum cellist_renderer {
   CELLIST_RENDERER_CAST   /* ray caster, needs neither OpenGL nor an order */
 } cellist_renderer;
 
-typedef enum cellist_backend { CELLIST_BACKEND_AUTO, CELLIST_BACKEND_OSMESA, CELLIST_BACKEND_EGL } cellist_backend;
+/* Where OpenGL comes from: as cellist_gl_backend. */
+typedef enum cellist_backend {
+  CELLIST_BACKEND_AUTO,
+  CELLIST_BACKEND_OSMESA,
+  CELLIST_BACKEND_EGL,
+  CELLIST_BACKEND_GLFW
+} cellist_backend;
+
+/* The pixels that OpenGL blends in: as cellist_framebuffer. */
+typedef enum cellist_pixels { CELLIST_PIXELS_32F, CELLIST_PIXELS_16F, CELLIST_PIXELS_8 } cellist_pixels;
 
 typedef struct cellist_pipeline_desc {
   const char *source;       /* as cellist_pipeline_load */
@@ -57,6 +66,7 @@ typedef struct cellist_pipeline_desc {
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
   cellist_backend backend;     /* for faces */
+  cellist_pixels pixels;       /* for faces; maximum intensity is always drawn in floats */
   uint32_t tets;               /* for cast: bytes a cell of the compact layouts, as cellist_raycaster_desc */
   cellist_precision precision; /* for cast; fast falls back to reference for models that it does not draw */
   bool no_plan;                /* do everything, also what this scene does not need: for comparison */
@@ -77,6 +87,7 @@ typedef struct cellist_pipeline_stats {
   double prepare_seconds;                  /* once: the plan, what the renderer keeps, without convexify_seconds */
   double sort_seconds, draw_seconds;       /* of the last picture */
   const char *renderer, *method, *backend; /* what was used; backend is "none" without OpenGL */
+  const char *pixels;                      /* "32f", "16f" or "8": what was blended in */
   const char *precision;                   /* "fast" (single precision) or "reference" */
   double error_bound;                      /* proved, of reference; infinity where none is known */
   const char *order;                       /* "exact", "approximate", or "none" if no order was needed */
