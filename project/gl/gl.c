@@ -102,6 +102,7 @@ static void release_objects(cellist_gl *gl) {
   const gl_api *api = &gl->api;
   gl_target_release(api, &gl->target);
   gl_limits_release(api, &gl->limits);
+  gl_tables_release(gl->context, api, &gl->tables);
   gl_groups_release(gl);
   const GLuint *programs = &gl->programs[0][0][0];
   for (size_t i = 0; i < sizeof gl->programs / sizeof *programs; i++)
@@ -125,6 +126,7 @@ void cellist_gl_destroy(cellist_gl *gl) {
     }
     gl->backend->close(gl->context, gl->state);
   }
+  gl_tables_release(gl->context, NULL, &gl->tables);
   gl_cells_mesh_release(gl->context, &gl->mesh);
   cellist_deallocate(gl->context, gl->gradients);
   cellist_deallocate(gl->context, gl->pieces);
@@ -148,6 +150,7 @@ cellist_result cellist_gl_upload(cellist_gl *gl, const cellist_mesh *mesh, const
   gl->mesh = made;
   gl->source = mesh;
   gl->scalar = scalar;
+  gl->longest = -1;
   gl->scale = gl_scale_of(scalar);
   return CELLIST_SUCCESS;
 }
@@ -192,6 +195,9 @@ static cellist_result check_arguments(cellist_gl *gl, const cellist_frame *frame
   const cellist_light *light = &settings->optics.light;
   if (light->enabled && !(light->gradient_unit > 0 && isfinite(light->gradient_unit)))
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "the light's gradient unit must be above 0");
+  if ((unsigned)settings->optics.integration > CELLIST_INTEGRATION_TABLE)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no integration has the number %d",
+                        (int)settings->optics.integration);
   if (settings->optics.sample_count > 4)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a segment has 1 to 4 samples, not %u",
                         settings->optics.sample_count);
@@ -282,6 +288,36 @@ static void bind_buffers(gl_drawing *drawing) {
   }
 }
 
+/* No segment in a cell is longer than its longest edge. */
+static double longest_edge(const cellist_mesh_arrays *mesh) {
+  static const uint8_t ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+  double longest = 0;
+  for (size_t i = 0; i < 6 * mesh->tet_count; i++) {
+    const uint32_t *v = &mesh->tets[4 * (i / 6)];
+    const double *a = &mesh->positions[3 * (size_t)v[ends[i % 6][0]]];
+    const double *b = &mesh->positions[3 * (size_t)v[ends[i % 6][1]]];
+    longest = fmax(longest, hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]));
+  }
+  return longest;
+}
+
+/* What the integrator looks up; kept from frame to frame. */
+static cellist_result prepare_tables(const gl_drawing *drawing) {
+  cellist_gl *gl = drawing->gl;
+  const cellist_optics *optics = &drawing->settings->optics;
+  const gl_integrator integrator = gl_integrator_of(optics);
+  if (integrator == GL_INTEGRATOR_TABLE && gl->longest < 0) gl->longest = longest_edge(gl->mesh.arrays);
+  const gl_tables_use use = {.integrator = integrator,
+                             .lit = drawing->cells.light.gradients != NULL,
+                             .black = optics->model == CELLIST_MODEL_ABSORPTION,
+                             .transfer = drawing->transfer,
+                             .size = optics->table_size,
+                             .scale = gl->scale,
+                             .longest = gl->longest};
+  gl->api.ActiveTexture(GL_TEXTURE0 + GL_UNIT_TABLES);
+  return gl_tables_prepare(gl->context, &gl->api, &use, &gl->tables);
+}
+
 /* With the OpenGL context current. */
 static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_image *image) {
   cellist_gl *gl = drawing->gl;
@@ -299,6 +335,7 @@ static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_i
     api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
     result = gl_limits_make(gl->context, api, frame, &gl->limits);
   }
+  if (result == CELLIST_SUCCESS) result = prepare_tables(drawing);
   if (result == CELLIST_SUCCESS) result = draw_order(drawing, order);
   if (result == CELLIST_SUCCESS) result = gl_check_errors(gl, "drawing");
   if (result == CELLIST_SUCCESS)

@@ -75,6 +75,8 @@ struct cellist_gl {
   GLuint extra_buffer, extra_texture;
   GLuint interval_buffer, interval_texture;
   GLuint light_buffer, light_texture;
+  gl_tables tables;
+  double longest;   /* edge of the mesh; negative: not known yet */
   gl_piece *pieces; /* [piece_capacity] */
   size_t piece_capacity;
   gl_lists lists;
@@ -104,7 +106,8 @@ enum {
   GL_UNIT_LIGHTS,
   GL_UNIT_LAST_LAYER,
   GL_UNIT_LAYER_COLOUR,
-  GL_UNIT_LIMITS
+  GL_UNIT_LIMITS,
+  GL_UNIT_TABLES /* up to three, see gl_tables_bind */
 };
 
 /* Makes the stage's program current, compiled when first used. */

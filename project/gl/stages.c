@@ -57,7 +57,7 @@ static void set_light(const gl_drawing *drawing, GLuint program) {
 
 /* A program keeps its uniforms; those of this frame are set when it is first used in it. Names that a program does not
  * have are at -1, which OpenGL overlooks. */
-static void set_uniforms(const gl_drawing *drawing, GLuint program) {
+static void set_uniforms(const gl_drawing *drawing, gl_integrator integrator, GLuint program) {
   static const struct {
     const char *name;
     GLint unit;
@@ -75,6 +75,7 @@ static void set_uniforms(const gl_drawing *drawing, GLuint program) {
                  (float)(2 * frame->half_height / frame->height));
   api->Uniform1i(api->GetUniformLocation(program, "width"), (GLint)frame->width);
   if (drawing->cells.light.gradients != NULL) set_light(drawing, program);
+  gl_tables_bind(api, &drawing->gl->tables, integrator, program, GL_UNIT_TABLES);
 }
 
 cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage) {
@@ -90,7 +91,7 @@ cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage) {
   }
   if (drawing->program != *program) gl->api.UseProgram(*program);
   drawing->program = *program;
-  if (!drawing->set_up[stage]) set_uniforms(drawing, *program);
+  if (!drawing->set_up[stage]) set_uniforms(drawing, integrator, *program);
   drawing->set_up[stage] = true;
   return CELLIST_SUCCESS;
 }
