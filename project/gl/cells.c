@@ -21,6 +21,14 @@ static const double LEAST_SHARE = 1e-9;
 /* Bits of a point: beyond each side of the view, before the near plane; and whether it is wild. */
 enum { OUTSIDE_VIEW = 31, OUTSIDE_WILD = 32 };
 
+static void cross(double out[3], const double a[3], const double b[3]) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 void gl_cells_mesh_release(cellist_context *context, gl_cells_mesh *mesh) {
   cellist_deallocate(context, mesh->scalars);
   *mesh = (gl_cells_mesh){0};
@@ -89,6 +97,9 @@ cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mes
                               .margin = margin,
                               .parallel = frame->parallel};
   made.light = *light;
+  double sideways[3];
+  cross(sideways, frame->right, frame->up);
+  made.handedness = dot(sideways, frame->forward) > 0 ? 1 : -1;
   made.corners = cellist_allocate(context, count, sizeof *made.corners);
   made.outside = cellist_allocate(context, count, 1);
   if (made.corners == NULL || made.outside == NULL) {
@@ -142,14 +153,6 @@ static unsigned classify(const gl_cells *cells, uint32_t tet) {
   }
   return sides & 15 ? sides : 0;
 }
-
-static void cross(double out[3], const double a[3], const double b[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* A pixel corner near the tet's picture, measured from the image's centre. Any is right, a near one loses no digits. */
 static void choose_reference(const gl_cells *cells, const double *const corner[4], double reference[2]) {
@@ -256,10 +259,42 @@ static void write_light(const gl_cells *cells, uint32_t tet, float record[]) {
   gl_light_of_cell(&cells->light, corners, scalars, &record[24]);
 }
 
-/* Writes one cell, its gradients too where lights is not NULL; returns the number of triangle corners, 0 if it shows
- * nothing. */
+/* The line that a face seen edge-on is in the picture. Worked out from the face's points in the order of their ids, so
+ * that both cells at the face find the same numbers; on which side the cell lies is told by the order in which it names
+ * them. */
+static void write_line(const gl_cells *cells, uint32_t tet, unsigned face, float line[4]) {
+  uint32_t id[3];
+  int side = -cells->handedness; /* of a face counter-clockwise from outside: 1 where its normal points inwards */
+  for (int i = 0; i < 3; i++) id[i] = cells->mesh->arrays->tets[4 * (size_t)tet + CELLIST_TET_FACE[face][i]];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 2; j++)
+      if (id[j] > id[j + 1]) {
+        const uint32_t kept = id[j];
+        id[j] = id[j + 1];
+        id[j + 1] = kept;
+        side = -side;
+      }
+  const double *p = cells->corners[id[0]], *q = cells->corners[id[1]], *r = cells->corners[id[2]];
+  double u[3], v[3], n[3];
+  for (int k = 0; k < 3; k++) {
+    u[k] = q[k] - p[k];
+    v[k] = r[k] - p[k];
+  }
+  cross(n, u, v);
+  if (cells->frame.parallel) n[2] = -(n[0] * p[0] + n[1] * p[1]);
+  const double size =
+      fmax(fmax(fabs(n[0]) * cells->picture.half_width, fabs(n[1]) * cells->picture.half_height), fabs(n[2]));
+  const double scale = size > 0 ? side / size : 0;
+  line[0] = (float)(n[2] * scale);
+  line[1] = (float)(n[0] * scale);
+  line[2] = (float)(n[1] * scale);
+  line[3] = 0;
+}
+
+/* Writes one cell, its gradients too where lights is not NULL, and extra if it has faces seen edge-on; returns the
+ * number of triangle corners, 0 if it shows nothing. */
 static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, float record[], float *lights,
-                        gl_corner *out) {
+                        gl_extra *extra, bool *has_extra, gl_corner *out) {
   struct shown shown;
   if (!find_shown(cells, tet, &shown)) return 0;
   const unsigned sides = classify(cells, tet);
@@ -290,6 +325,13 @@ static int prepare_cell(const gl_cells *cells, uint32_t tet, float record_id, fl
   eye_coordinates(p, cells->frame.parallel, sides, eye);
   const unsigned k = choose_face(cells, p, sides, wild);
   write_record(cells, p, eye, &shown, reference, k, record);
+  *has_extra = false;
+  for (int i = 0; i < 3; i++)
+    if (!(sides & 17u << CELLIST_TET_FACE[k][i])) {
+      write_line(cells, tet, CELLIST_TET_FACE[k][i], extra->lines[i]);
+      *has_extra = true;
+    }
+  if (*has_extra) record[2] = -1 - record[2]; /* so the shader knows */
   record[24] = 1;
   record[25] = record[26] = record[27] = 0;
   if (lights != NULL) {
@@ -331,13 +373,16 @@ static void prepare_piece(const struct job *job, gl_piece *piece) {
     /* copied as a whole: the buffers may be write-combined memory */
     float record[GL_RECORD_FLOATS], lights[GL_LIGHT_FLOATS];
     gl_corner made[3 * GL_CELLS_TRIANGLES];
-    const int made_count =
-        prepare_cell(job->cells, job->order[i], (float)i, record, output->lights != NULL ? lights : NULL, made);
+    gl_extra extra = {0};
+    bool has_extra = false;
+    const int made_count = prepare_cell(job->cells, job->order[i], (float)i, record,
+                                        output->lights != NULL ? lights : NULL, &extra, &has_extra, made);
     if (piece->is_group) {
-      const gl_extra extra = {.first_record = (float)piece->begin, .member_count = (float)piece->count};
-      memcpy(&output->extras[i], &extra, sizeof extra);
+      extra.first_record = (float)piece->begin;
+      extra.member_count = (float)piece->count;
       if (made_count == 0) memcpy(output->records[i], nothing, sizeof nothing);
     }
+    if (has_extra || piece->is_group) memcpy(&output->extras[i], &extra, sizeof extra);
     if (made_count == 0) continue;
     memcpy(output->records[i], record, sizeof record);
     if (output->lights != NULL) memcpy(output->lights[i], lights, sizeof lights);

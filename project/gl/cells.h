@@ -37,6 +37,7 @@ typedef struct gl_cells {
   const gl_intervals *intervals;
   gl_light light;
   gl_picture picture;
+  int handedness;       /* of right, up, forward: 1 or -1 */
   double (*corners)[3]; /* [point_count] as gl_picture wants them */
   uint8_t *outside;     /* [point_count] OUTSIDE bits of cells.c */
 } gl_cells;
@@ -50,10 +51,13 @@ typedef struct gl_piece {
   float low[2], high[2];
 } gl_piece;
 
-/* What some records have beside them; extras.x of records that are not in a small group is not written. */
+/* What some records have beside them; written only where a record has faces seen edge-on or lies in a small group.
+ * lines: for each of the record's first three corners whose opposite face is seen edge-on, the line of its picture:
+ * constant, change per pixel in x and y from the image's centre, above 0 on the cell's side. The two cells that share
+ * the face have the same numbers but for their sign, so that one of them owns a pixel on the line. */
 typedef struct gl_extra {
-  float unused[12];
-  float first_record, member_count, zero[2]; /* of the small group */
+  float lines[3][4];
+  float first_record, member_count, unused[2]; /* of the small group */
 } gl_extra;
 
 /* What gl_cells_prepare writes, one entry a cell of the order. */

@@ -5,13 +5,15 @@
 // the cell.
 //
 // A record of seven texels a cell, made in double precision (cells.c), speaks of one back face and its opposite corner:
-//   0  pixel to which the next three refer, first and last interval of the transfer function in the cell
+//   0  pixel to which the next three refer, first and last interval of the transfer function in the cell; the first is
+//      -1 - itself if the cell has faces seen edge-on
 //   1-3 one corner of the face each: its barycentric coordinate / depth at that pixel, the change per pixel in x and
 //      in y (parallel: not divided by depth); the eye's coordinate (parallel: the change per unit towards the eye)
 //   4  the scalar at the three corners and at the opposite one
 //   5  depth of the three corners; the eye's coordinate of the opposite one
 //   6  what light multiplies colours by, and the highlight it adds (1 and 0 without light)
 uniform samplerBuffer records;
+uniform samplerBuffer extras; // four texels a cell, for some: see gl_extra
 flat in int record;
 uniform vec2 centre;         // of the image, in pixels
 uniform vec2 slope;          // across one pixel at depth 1
@@ -22,6 +24,15 @@ uniform float near_distance;
 #endif
 
 const float BIG = 3.0e38;
+
+// Whether a pixel lies on the cell's side of a face seen edge-on. On the line itself the pixel counts as moved by an
+// infinitesimal to the right, and by a smaller one upwards: so one of the cells at a face owns it, and of those at an
+// edge too.
+bool owns(int record, int corner, vec2 pixel) {
+  vec4 line = texelFetch(extras, 4 * record + corner);
+  precise float at = line.x + line.y * (pixel.x - centre.x) + line.z * (pixel.y - centre.y);
+  return (at != 0.0 ? at : line.y != 0.0 ? line.y : line.z) > 0.0;
+}
 
 // Where the ray of a pixel meets the cell of a record; false if it does not.
 bool meet(int record, vec2 pixel, out segment met) {
@@ -62,6 +73,11 @@ bool meet(int record, vec2 pixel, out segment met) {
   float entry = near_distance > 0.0 ? 1.0 / near_distance - sum : BIG;
 #endif
 #endif
+  if (head.z < 0.0) {
+    head.z = -1.0 - head.z;
+    for (int i = 0; i < 3; i++)
+      if (eye_weight[i] == 0.0) weight[i] = owns(record, i, pixel) ? max(weight[i], 0.0) : -1.0;
+  }
   for (int i = 0; i < 3; i++) {
     if (eye_weight[i] < 0.0)
       entry = min(entry, max(weight[i], 0.0) / -eye_weight[i]);

@@ -1,6 +1,5 @@
 // Cells that lie in front of each other in a circle [C 4], a few of them: on each pixel, the first member that the ray
 // meets draws the whole group, in the order of the depths there; the others draw nothing.
-uniform samplerBuffer extras; // of each record the fourth texel: first record and number of its group
 
 layout(location = 0) out vec4 result;
 #ifdef WITH_DEPTH
