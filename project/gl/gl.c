@@ -330,16 +330,17 @@ static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_i
                       maximum ? CELLIST_FRAMEBUFFER_32F : drawing->settings->framebuffer, drawing->with_depth, maximum);
   if (result != CELLIST_SUCCESS) return result;
   bind_buffers(drawing);
-  drawing->with_limits = gl_limits_needed(frame);
+  drawing->with_limits = frame->clip_count > 0 || drawing->layer.depth != NULL;
   if (drawing->with_limits) {
     api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
-    result = gl_limits_make(gl->context, api, frame, &gl->limits);
+    result = gl_limits_make(gl->context, api, frame, &drawing->layer, &gl->limits);
   }
   if (result == CELLIST_SUCCESS) result = prepare_tables(drawing);
   if (result == CELLIST_SUCCESS) result = draw_order(drawing, order);
   if (result == CELLIST_SUCCESS) result = gl_check_errors(gl, "drawing");
   if (result == CELLIST_SUCCESS)
-    result = gl_target_read(gl->context, api, &gl->target, maximum ? drawing->transfer : NULL, gl->scale, image);
+    result = gl_target_read(gl->context, api, &gl->target, maximum ? drawing->transfer : NULL, gl->scale,
+                            &drawing->layer, image);
   return result;
 }
 
@@ -383,11 +384,13 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   const double margin = gl->subpixel + fmax(frame->width, frame->height) * FLT_EPSILON;
   result = gl_cells_begin(context, &gl->mesh, frame, &drawing.intervals, &light, margin, &drawing.cells);
   if (result == CELLIST_SUCCESS) {
-    result = enter(gl);
+    result = surface_layer_make(context, settings->surface, frame, &settings->optics.light, &drawing.layer);
+    if (result == CELLIST_SUCCESS) result = enter(gl);
     if (result == CELLIST_SUCCESS) {
       result = draw(&drawing, order, image);
       gl->backend->leave(gl->state);
     }
+    surface_layer_release(context, &drawing.layer);
     gl_cells_release(&drawing.cells);
   }
   gl_intervals_release(context, &drawing.intervals);

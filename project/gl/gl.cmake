@@ -31,7 +31,7 @@ cellist_embed(${CMAKE_CURRENT_BINARY_DIR}/gl_shaders.c ${gl_shaders})
 cellist_add_library(gl
   SOURCES ${gl_sources} ${CMAKE_CURRENT_BINARY_DIR}/gl_shaders.c
   HEADERS cellist/gl.h
-  DEPENDS data optics
+  DEPENDS data optics surface
   PRIVATE ${gl_libraries} m
   REQUIRES ${gl_packages}
   LIBS -lm)
@@ -40,4 +40,5 @@ foreach(backend IN ITEMS OSMESA EGL GLFW)
   target_compile_definitions(cellist_gl PRIVATE CELLIST_HAVE_${backend}=$<BOOL:${${backend}_FOUND}>)
 endforeach()
 string(FIND "${CELLIST_SANITIZE}" address gl_leak_check)
+target_include_directories(cellist_gl PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(cellist_gl PRIVATE CELLIST_LEAK_CHECK=$<NOT:$<EQUAL:${gl_leak_check},-1>>)

@@ -12,6 +12,7 @@ static const float FAR_OFF = 3e38f;
 
 struct job {
   const cellist_frame *frame;
+  const surface_layer *layer;
   float (*pixels)[2];
 };
 
@@ -27,6 +28,7 @@ static void fill_rows(void *user, size_t begin, size_t end, unsigned worker) {
       double origin[3], direction[3], seen[2];
       cellist_frame_ray(frame, (double)x + 0.5, (double)y + 0.5, origin, direction);
       cellist_frame_interval(frame, origin, direction, seen);
+      if (job->layer->depth != NULL) seen[1] = fmin(seen[1], job->layer->depth[y * frame->width + x]);
       float *pixel = job->pixels[(frame->height - 1 - y) * frame->width + x];
       if (frame->parallel) {
         pixel[0] = bounded(seen[0]);
@@ -41,11 +43,9 @@ static void fill_rows(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-bool gl_limits_needed(const cellist_frame *frame) { return frame->clip_count > 0; }
-
 cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame,
-                              gl_limits *limits) {
-  struct job job = {.frame = frame};
+                              const surface_layer *layer, gl_limits *limits) {
+  struct job job = {.frame = frame, .layer = layer};
   job.pixels = cellist_allocate(context, (size_t)frame->width * frame->height, sizeof *job.pixels);
   if (job.pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   cellist_parallel_for(context, frame->height, ROW_GRAIN, fill_rows, &job);

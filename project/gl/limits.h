@@ -4,6 +4,7 @@
 #define CELLIST_GL_LIMITS_H
 
 #include <cellist/view.h>
+#include <surface/layer.h>
 
 #include "api.h"
 
@@ -12,14 +13,11 @@ typedef struct gl_limits {
   uint32_t width, height;
 } gl_limits;
 
-/* Whether a frame's rays are limited by more than the near plane, so that there is a texture to read. */
-bool gl_limits_needed(const cellist_frame *frame);
-
 /* Works out the limits of every pixel, in double precision, and leaves them in the texture, bound to GL_TEXTURE_2D of
- * the active unit: red the near one, green the far one, both as 1 / depth (parallel: depth).
- * Fails with OUT_OF_MEMORY. Cost: linear in pixels times clip planes; 8 bytes a pixel are sent. */
+ * the active unit: red the near one, green the far one (a clip plane or the layer), both as 1 / depth (parallel:
+ * depth). Fails with OUT_OF_MEMORY. Cost: linear in pixels times clip planes; 8 bytes a pixel are sent. */
 cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame,
-                              gl_limits *limits);
+                              const surface_layer *layer, gl_limits *limits);
 void gl_limits_release(const gl_api *api, gl_limits *limits);
 
 #endif

@@ -91,6 +91,7 @@ typedef struct gl_drawing {
   const cellist_gl_settings *settings;
   size_t order_count;
   bool with_depth, with_limits;
+  surface_layer layer; /* behind the cells; {0}: nothing */
   gl_intervals intervals;
   gl_cells cells;
   bool set_up[GL_STAGE_COUNT]; /* the stage's uniforms have this frame's values */

@@ -97,8 +97,18 @@ static void copy_channel(const gl_target *target, const float *pixels, size_t co
           sign * pixels[((target->height - 1 - y) * target->width + x) * components + component];
 }
 
+static void put_depth_behind(const surface_layer *layer, cellist_image *image) {
+  float *z = cellist_image_channel(image, "Z"), *z_back = cellist_image_channel(image, "ZBack");
+  for (size_t i = 0; layer->depth != NULL && i < (size_t)layer->width * layer->height; i++) {
+    if (!(layer->depth[i] < HUGE_VAL)) continue;
+    if (z != NULL) z[i] = fminf(z[i], (float)layer->depth[i]);
+    if (z_back != NULL) z_back[i] = (float)layer->depth[i];
+  }
+}
+
 cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
-                              const cellist_transfer *transfer, gl_scale scale, cellist_image *image) {
+                              const cellist_transfer *transfer, gl_scale scale, const surface_layer *layer,
+                              cellist_image *image) {
   static const char *const names[4] = {"R", "G", "B", "A"};
   float *pixels = cellist_allocate(context, (size_t)target->width * target->height, 4 * sizeof *pixels);
   if (pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
@@ -111,12 +121,18 @@ cellist_result gl_target_read(cellist_context *context, const gl_api *api, const
     if (pixel[3] > 0) cellist_transfer_evaluate(transfer, (double)pixel[0] / scale.factor + scale.offset, colour);
     for (int c = 0; c < 3; c++) pixel[c] = (float)colour[c];
   }
+  for (size_t i = 0; layer->depth != NULL && i < (size_t)target->width * target->height; i++) {
+    const size_t y = target->height - 1 - i / target->width, x = i % target->width;
+    float *pixel = &pixels[4 * i], z = 0, z_back = 0;
+    surface_layer_put_behind(layer, y * target->width + x, pixel, &pixel[3], &z, &z_back);
+  }
   for (size_t c = 0; c < 4; c++) copy_channel(target, pixels, 4, c, 1, image, names[c]);
   if (target->with_depth) {
     api->ReadBuffer(GL_COLOR_ATTACHMENT1);
     api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RG, GL_FLOAT, pixels);
     copy_channel(target, pixels, 2, 0, -1, image, "Z");
     copy_channel(target, pixels, 2, 1, 1, image, "ZBack");
+    put_depth_behind(layer, image);
   }
   cellist_deallocate(context, pixels);
   return CELLIST_SUCCESS;

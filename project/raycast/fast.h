@@ -4,6 +4,7 @@
 #ifndef CELLIST_RAYCAST_FAST_H
 #define CELLIST_RAYCAST_FAST_H
 
+#include "../surface/layer.h"
 #include "fast_entries.h"
 #include "raycaster.h"
 
@@ -25,7 +26,8 @@ typedef struct fast_draw_desc {
   bool absorption_only; /* black */
   bool wants_depth;     /* fill z and z_back of pixels */
   fast_kernel kernel;
-  bool skips_walk; /* only find entries: for benchmarks */
+  const surface_layer *layer; /* rays end there; NULL: none */
+  bool skips_walk;            /* only find entries: for benchmarks */
 } fast_draw_desc;
 
 typedef struct fast_stats {
@@ -46,7 +48,7 @@ cellist_result fast_caster_draw(fast_caster *caster, const cellist_frame *frame,
 
 /* The public render by `fast`; the arguments have been checked. */
 cellist_result raycaster_render_fast(cellist_raycaster *caster, const cellist_frame *frame,
-                                     const cellist_transfer *transfer, const cellist_optics *optics,
+                                     const cellist_transfer *transfer, const cellist_raycast_desc *desc,
                                      const cellist_raycast_output *output, cellist_raycast_stats *stats);
 
 #endif

@@ -109,6 +109,7 @@ size_t fast_caster_vertex_bytes(const fast_caster *caster) {
 struct frame_job {
   fast_caster *caster;
   const cellist_frame *frame;
+  const surface_layer *layer;
   fast_scene scene;
   fast_walk walk;
   fast_sink sink;
@@ -191,7 +192,7 @@ static cellist_result set_up_scene(fast_caster *caster, const cellist_frame *fra
   scene->reciprocal = scene->perspective && depth[0] > NEAREST_RECIPROCAL * depth[1];
   scene->sheared = scene->perspective && !scene->reciprocal;
   if (frame->parallel) scene->depth_offset = 0.5 * depth[0] + 0.5 * depth[1];
-  scene->clips = frame->near_distance > depth[0] || frame->clip_count > 0;
+  scene->clips = frame->near_distance > depth[0] || frame->clip_count > 0 || desc->layer != NULL;
   const cellist_result result = set_up_rays(caster, frame, scene);
   if (result != CELLIST_SUCCESS) return result;
   return fast_transfer_create(caster->context, transfer, caster->scalar->minimum, caster->scalar->maximum, scene->unit,
@@ -225,6 +226,8 @@ static void set_limits(const struct frame_job *job, fast_tile *tile) {
       double origin[3], direction[3], limits[2];
       cellist_frame_ray(job->frame, tile->left + x + 0.5, tile->top + y + 0.5, origin, direction);
       cellist_frame_interval(job->frame, origin, direction, limits);
+      if (job->layer != NULL)
+        limits[1] = fmin(limits[1], job->layer->depth[(size_t)(tile->top + y) * scene->width + tile->left + x]);
       tile->near[at] = (float)((limits[0] - scene->depth_offset) / scene->unit);
       tile->far[at] = (float)((limits[1] - scene->depth_offset) / scene->unit);
     }
@@ -310,7 +313,8 @@ static cellist_result sum_up(fast_caster *caster, fast_stats *stats) {
 
 cellist_result fast_caster_draw(fast_caster *caster, const cellist_frame *frame, const cellist_transfer *transfer,
                                 const fast_draw_desc *desc, fast_sink sink, void *user, fast_stats *stats) {
-  struct frame_job job = {.caster = caster, .frame = frame, .walk = choose_walk(desc), .sink = sink, .user = user};
+  struct frame_job job = {
+      .caster = caster, .frame = frame, .layer = desc->layer, .walk = choose_walk(desc), .sink = sink, .user = user};
   atomic_init(&job.failed, false);
   cellist_result result = set_up_scene(caster, frame, transfer, desc, &job.scene);
   if (result != CELLIST_SUCCESS) return result;

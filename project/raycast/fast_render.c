@@ -8,8 +8,23 @@ static fast_layout layout_of(uint32_t tets) {
   return tets == 32 ? FAST_TET32 : tets == 20 ? FAST_TET20 : tets == 16 ? FAST_TET16 : FAST_RANKED;
 }
 
+/* Where a picture goes, and what stands behind it. */
+struct picture {
+  pixel_outputs outputs;
+  surface_layer layer; /* {0}: nothing */
+};
+
+static void put_layer_behind(const surface_layer *layer, size_t at, shade_pixel *pixel) {
+  if (layer->depth == NULL || !(layer->depth[at] < INFINITY)) return;
+  for (size_t k = 0; k < 3; k++) pixel->colour[k] += pixel->transmittance * (double)layer->colours[3 * at + k];
+  pixel->transmittance = 0;
+  pixel->alpha = 1;
+  pixel->z = fmin(pixel->z, layer->depth[at]);
+  pixel->z_back = layer->depth[at];
+}
+
 static void store_tile(void *user, const fast_scene *scene, const fast_tile *tile) {
-  const pixel_outputs *outputs = user;
+  const struct picture *picture = user;
   for (uint32_t y = 0; y < tile->height; y++)
     for (uint32_t x = 0; x < tile->width; x++) {
       const uint32_t at = y * FAST_TILE + x;
@@ -27,14 +42,42 @@ static void store_tile(void *user, const fast_scene *scene, const fast_tile *til
         stored.segment_count = pixel->piece_count;
         cell_count = pixel->cell_count;
       }
-      outputs_store(outputs, (size_t)(tile->top + y) * scene->width + tile->left + x, &stored, cell_count);
+      const size_t pixel_at = (size_t)(tile->top + y) * scene->width + tile->left + x;
+      put_layer_behind(&picture->layer, pixel_at, &stored);
+      outputs_store(&picture->outputs, pixel_at, &stored, cell_count);
     }
 }
 
+/* With the surface cast. */
+static cellist_result draw_picture(cellist_raycaster *caster, const cellist_frame *frame,
+                                   const cellist_transfer *transfer, const cellist_raycast_desc *desc,
+                                   const cellist_raycast_output *output, struct picture *picture,
+                                   cellist_raycast_stats *stats) {
+  const pixel_outputs *outputs = &picture->outputs;
+  const fast_draw_desc draw_desc = {
+      .absorption_only = desc->optics.model == CELLIST_MODEL_ABSORPTION,
+      .wants_depth = output->z != NULL || output->z_back != NULL || outputs->z != NULL || outputs->z_back != NULL,
+      .layer = picture->layer.depth != NULL ? &picture->layer : NULL};
+  fast_stats found;
+  const cellist_result result =
+      fast_caster_draw(caster->fast, frame, transfer, &draw_desc, store_tile, picture, &found);
+  if (result != CELLIST_SUCCESS) return result;
+  *stats = (cellist_raycast_stats){.error_bound = INFINITY,
+                                   .ray_count = found.ray_count,
+                                   .entry_count = found.entry_count,
+                                   .step_count = found.step_count,
+                                   .segment_count = found.piece_count,
+                                   .retry_count = found.retry_count,
+                                   .fold_ray_count = found.fold_ray_count};
+  if (found.retry_count == 0) return CELLIST_SUCCESS;
+  return raycaster_recast_pixels(caster, frame, transfer, desc, output, found.retries, found.retry_count);
+}
+
 cellist_result raycaster_render_fast(cellist_raycaster *caster, const cellist_frame *frame,
-                                     const cellist_transfer *transfer, const cellist_optics *optics,
+                                     const cellist_transfer *transfer, const cellist_raycast_desc *desc,
                                      const cellist_raycast_output *output, cellist_raycast_stats *stats) {
   cellist_context *context = caster->context;
+  const cellist_optics *optics = &desc->optics;
   if (optics->model != CELLIST_MODEL_EMISSION_ABSORPTION && optics->model != CELLIST_MODEL_ABSORPTION)
     return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
                         "precision fast draws emission and absorption, or absorption; take precision reference");
@@ -49,20 +92,9 @@ cellist_result raycaster_render_fast(cellist_raycaster *caster, const cellist_fr
                                                      layout_of(caster->desc.tets), &caster->fast);
     if (result != CELLIST_SUCCESS) return result;
   }
-  pixel_outputs outputs = outputs_of(output);
-  const fast_draw_desc desc = {
-      .absorption_only = optics->model == CELLIST_MODEL_ABSORPTION,
-      .wants_depth = output->z != NULL || output->z_back != NULL || outputs.z != NULL || outputs.z_back != NULL};
-  fast_stats found;
-  cellist_result result = fast_caster_draw(caster->fast, frame, transfer, &desc, store_tile, &outputs, &found);
-  if (result != CELLIST_SUCCESS) return result;
-  *stats = (cellist_raycast_stats){.error_bound = INFINITY,
-                                   .ray_count = found.ray_count,
-                                   .entry_count = found.entry_count,
-                                   .step_count = found.step_count,
-                                   .segment_count = found.piece_count,
-                                   .retry_count = found.retry_count,
-                                   .fold_ray_count = found.fold_ray_count};
-  if (found.retry_count == 0) return CELLIST_SUCCESS;
-  return raycaster_recast_pixels(caster, frame, transfer, optics, output, found.retries, found.retry_count);
+  struct picture picture = {.outputs = outputs_of(output)};
+  cellist_result result = surface_layer_make(context, desc->surface, frame, &optics->light, &picture.layer);
+  if (result == CELLIST_SUCCESS) result = draw_picture(caster, frame, transfer, desc, output, &picture, stats);
+  surface_layer_release(context, &picture.layer);
+  return result;
 }

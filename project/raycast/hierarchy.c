@@ -19,14 +19,11 @@ static hierarchy_box empty_box(void) {
 
 static size_t parents_of(size_t count) { return (count + HIERARCHY_FANOUT - 1) / HIERARCHY_FANOUT; }
 
-static void fill_leaves(const cellist_mesh_arrays *mesh, face_hierarchy *hierarchy) {
-  for (size_t i = 0; i < hierarchy->face_count; i++) {
-    hierarchy_box *box = &hierarchy->boxes[i / HIERARCHY_FANOUT];
-    if (i % HIERARCHY_FANOUT == 0) *box = empty_box();
-    const uint32_t face = hierarchy->faces[i];
-    for (int c = 0; c < 3; c++)
-      include_point(box, &mesh->positions[3 * (size_t)mesh->tets[face / 4 * 4 + CELLIST_TET_FACE[face % 4][c]]]);
-  }
+/* The box of the leaf that holds the i-th face, ready for this face's points; faces come in order. */
+static hierarchy_box *leaf_of(face_hierarchy *hierarchy, size_t i) {
+  hierarchy_box *box = &hierarchy->boxes[i / HIERARCHY_FANOUT];
+  if (i % HIERARCHY_FANOUT == 0) *box = empty_box();
+  return box;
 }
 
 static void fill_level(face_hierarchy *hierarchy, int level) {
@@ -40,10 +37,9 @@ static void fill_level(face_hierarchy *hierarchy, int level) {
   }
 }
 
-cellist_result hierarchy_build(cellist_context *context, const cellist_mesh_arrays *mesh, face_hierarchy *made) {
-  *made = (face_hierarchy){0};
-  for (size_t f = 0; f < 4 * mesh->tet_count; f++) made->face_count += mesh->neighbours[f] == CELLIST_NONE;
-  if (made->face_count == 0) return CELLIST_SUCCESS;
+/* Room for so many faces (at least one), and how many boxes each level has. */
+static cellist_result reserve(cellist_context *context, size_t face_count, face_hierarchy *made) {
+  *made = (face_hierarchy){.face_count = face_count};
   size_t box_count = 0;
   for (size_t count = parents_of(made->face_count);; count = parents_of(count)) {
     made->level_begin[made->level_count++] = box_count;
@@ -57,10 +53,38 @@ cellist_result hierarchy_build(cellist_context *context, const cellist_mesh_arra
     hierarchy_release(context, made);
     return CELLIST_ERROR_OUT_OF_MEMORY;
   }
-  size_t count = 0;
-  for (size_t f = 0; f < 4 * mesh->tet_count; f++)
-    if (mesh->neighbours[f] == CELLIST_NONE) made->faces[count++] = (uint32_t)f;
-  fill_leaves(mesh, made);
+  return CELLIST_SUCCESS;
+}
+
+cellist_result hierarchy_build(cellist_context *context, const cellist_mesh_arrays *mesh, face_hierarchy *made) {
+  size_t face_count = 0, at = 0;
+  for (size_t f = 0; f < 4 * mesh->tet_count; f++) face_count += mesh->neighbours[f] == CELLIST_NONE;
+  *made = (face_hierarchy){0};
+  if (face_count == 0) return CELLIST_SUCCESS;
+  const cellist_result result = reserve(context, face_count, made);
+  if (result != CELLIST_SUCCESS) return result;
+  for (size_t f = 0; f < 4 * mesh->tet_count; f++) {
+    if (mesh->neighbours[f] != CELLIST_NONE) continue;
+    hierarchy_box *box = leaf_of(made, at);
+    made->faces[at++] = (uint32_t)f;
+    for (int c = 0; c < 3; c++)
+      include_point(box, &mesh->positions[3 * (size_t)mesh->tets[f / 4 * 4 + CELLIST_TET_FACE[f % 4][c]]]);
+  }
+  for (int level = 1; level < made->level_count; level++) fill_level(made, level);
+  return CELLIST_SUCCESS;
+}
+
+cellist_result hierarchy_build_triangles(cellist_context *context, const double *positions, const uint32_t *triangles,
+                                         size_t count, face_hierarchy *made) {
+  *made = (face_hierarchy){0};
+  if (count == 0) return CELLIST_SUCCESS;
+  const cellist_result result = reserve(context, count, made);
+  if (result != CELLIST_SUCCESS) return result;
+  for (size_t i = 0; i < count; i++) {
+    hierarchy_box *box = leaf_of(made, i);
+    made->faces[i] = (uint32_t)i;
+    for (size_t c = 0; c < 3; c++) include_point(box, &positions[3 * (size_t)triangles[3 * i + c]]);
+  }
   for (int level = 1; level < made->level_count; level++) fill_level(made, level);
   return CELLIST_SUCCESS;
 }

@@ -24,6 +24,10 @@ typedef struct face_hierarchy {
 } face_hierarchy;
 
 cellist_result hierarchy_build(cellist_context *context, const cellist_mesh_arrays *mesh, face_hierarchy *made);
+/* The same over any triangles, [3 count] point ids; neighbours in the list should be neighbours in space. Faces are
+ * then numbers of triangles. */
+cellist_result hierarchy_build_triangles(cellist_context *context, const double *positions, const uint32_t *triangles,
+                                         size_t count, face_hierarchy *made);
 void hierarchy_release(cellist_context *context, face_hierarchy *hierarchy);
 
 /* Calls visit for every leaf whose box the whole line may meet; boxes are never missed because of rounding.

@@ -34,6 +34,7 @@ void cellist_raycaster_destroy(cellist_raycaster *caster) {
   if (caster == NULL) return;
   fast_caster_destroy(caster->fast);
   hierarchy_release(caster->context, &caster->hierarchy);
+  hierarchy_release(caster->context, &caster->surface_hierarchy);
   cellist_deallocate(caster->context, caster->slopes);
   cellist_deallocate(caster->context, caster->point_gradients);
   cellist_deallocate(caster->context, caster->cell_gradients);
@@ -92,9 +93,9 @@ cellist_result cellist_raycaster_render(cellist_raycaster *caster, const cellist
   if (result != CELLIST_SUCCESS) return result;
   cellist_raycast_stats found = {0};
   if (chosen.precision == CELLIST_PRECISION_REFERENCE)
-    result = raycaster_render_reference(caster, frame, transfer, &chosen.optics, output, &found);
+    result = raycaster_render_reference(caster, frame, transfer, &chosen, output, &found);
   else
-    result = raycaster_render_fast(caster, frame, transfer, &chosen.optics, output, &found);
+    result = raycaster_render_fast(caster, frame, transfer, &chosen, output, &found);
   if (result == CELLIST_SUCCESS && stats != NULL) *stats = found;
   return result;
 }

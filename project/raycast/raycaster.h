@@ -15,6 +15,9 @@ struct cellist_raycaster {
   /* For `reference`, made at the first picture that needs them. */
   bool has_hierarchy;
   face_hierarchy hierarchy;
+  bool has_surface_hierarchy;
+  face_hierarchy surface_hierarchy; /* over the triangles of the surface with this checksum */
+  uint64_t surface_checksum;
   float *slopes;            /* [tets] see slopes.h */
   double *point_gradients;  /* [3 points] */
   double *cell_gradients;   /* [3 tets] */
@@ -23,12 +26,12 @@ struct cellist_raycaster {
 
 /* The arguments have been checked; stats is not NULL. */
 cellist_result raycaster_render_reference(cellist_raycaster *caster, const cellist_frame *frame,
-                                          const cellist_transfer *transfer, const cellist_optics *optics,
+                                          const cellist_transfer *transfer, const cellist_raycast_desc *desc,
                                           const cellist_raycast_output *output, cellist_raycast_stats *stats);
 
 /* Draws these pixels (y * width + x) only, by reference. */
 cellist_result raycaster_recast_pixels(cellist_raycaster *caster, const cellist_frame *frame,
-                                       const cellist_transfer *transfer, const cellist_optics *optics,
+                                       const cellist_transfer *transfer, const cellist_raycast_desc *desc,
                                        const cellist_raycast_output *output, const uint32_t *pixels,
                                        size_t pixel_count);
 

@@ -7,6 +7,7 @@
 
 #include "outputs.h"
 #include "raycaster.h"
+#include "reference_behind.h"
 #include "reference_limits.h"
 #include "reference_shade.h"
 #include "reference_walk.h"
@@ -32,6 +33,7 @@ struct job {
   cellist_raycaster *caster;
   const cellist_frame *frame;
   const shade_scene *scene;
+  const behind_scene *behind;
   pixel_outputs outputs;
   const uint32_t *pixels; /* y * width + x: draw these only; NULL: the whole picture */
   size_t first_tile;      /* of the stage */
@@ -43,13 +45,15 @@ static void draw_pixel(struct job *job, uint32_t x, uint32_t y, struct hand *han
   ray_walker *walker = &hand->walker;
   double origin[3], direction[3];
   cellist_frame_ray(job->frame, x + 0.5, y + 0.5, origin, direction);
-  const walk_limits limits = limits_of_ray(job->frame, origin, direction);
+  walk_limits limits = limits_of_ray(job->frame, origin, direction);
+  const behind_point behind = behind_meet(job->behind, origin, direction, &limits, &walker->retry_count);
   if (!walk_ray(walker, origin, direction, &limits)) {
     atomic_store(&job->failed, true);
     return;
   }
   const double length_per_t = hypot(hypot(direction[0], direction[1]), direction[2]);
-  const shade_pixel pixel = shade_segments(job->scene, walker->segments, walker->segment_count, length_per_t);
+  shade_pixel pixel = shade_segments(job->scene, walker->segments, walker->segment_count, length_per_t);
+  behind_add(&behind, &pixel);
   hand->segment_count += pixel.segment_count;
   hand->error = fmax(hand->error, pixel.error);
   outputs_store(&job->outputs, (size_t)y * job->frame->width + x, &pixel, walker->ray_steps);
@@ -138,12 +142,17 @@ static cellist_result prepare(cellist_raycaster *caster, const cellist_optics *o
 }
 
 static cellist_result draw_scene(cellist_raycaster *caster, const cellist_frame *frame, const shade_scene *scene,
-                                 const cellist_raycast_output *output, const uint32_t *pixels, size_t pixel_count,
-                                 cellist_raycast_stats *stats) {
+                                 const behind_scene *behind, const cellist_raycast_output *output,
+                                 const uint32_t *pixels, size_t pixel_count, cellist_raycast_stats *stats) {
   cellist_context *context = caster->context;
   const cellist_light *light = &scene->optics.light;
   const unsigned worker_count = cellist_context_worker_count(context);
-  struct job job = {.caster = caster, .frame = frame, .scene = scene, .outputs = outputs_of(output), .pixels = pixels};
+  struct job job = {.caster = caster,
+                    .frame = frame,
+                    .scene = scene,
+                    .behind = behind,
+                    .outputs = outputs_of(output),
+                    .pixels = pixels};
   atomic_init(&job.failed, false);
   job.hands = cellist_allocate_zeroed(context, worker_count, sizeof *job.hands);
   if (job.hands == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
@@ -170,27 +179,30 @@ static cellist_result draw_scene(cellist_raycaster *caster, const cellist_frame 
 }
 
 static cellist_result render(cellist_raycaster *caster, const cellist_frame *frame, const cellist_transfer *transfer,
-                             const cellist_optics *optics, const cellist_raycast_output *output, const uint32_t *pixels,
-                             size_t pixel_count, cellist_raycast_stats *stats) {
-  cellist_result result = prepare(caster, optics);
+                             const cellist_raycast_desc *desc, const cellist_raycast_output *output,
+                             const uint32_t *pixels, size_t pixel_count, cellist_raycast_stats *stats) {
+  cellist_result result = prepare(caster, &desc->optics);
   if (result != CELLIST_SUCCESS) return result;
   shade_scene scene;
-  result = shade_begin(caster->context, optics, transfer, frame, &scene);
-  if (result == CELLIST_SUCCESS) result = draw_scene(caster, frame, &scene, output, pixels, pixel_count, stats);
+  behind_scene behind;
+  result = shade_begin(caster->context, &desc->optics, transfer, frame, &scene);
+  if (result == CELLIST_SUCCESS) result = behind_begin(caster, desc->surface, &scene, frame, &behind);
+  if (result == CELLIST_SUCCESS)
+    result = draw_scene(caster, frame, &scene, &behind, output, pixels, pixel_count, stats);
   shade_end(caster->context, &scene);
   return result;
 }
 
 cellist_result raycaster_render_reference(cellist_raycaster *caster, const cellist_frame *frame,
-                                          const cellist_transfer *transfer, const cellist_optics *optics,
+                                          const cellist_transfer *transfer, const cellist_raycast_desc *desc,
                                           const cellist_raycast_output *output, cellist_raycast_stats *stats) {
-  return render(caster, frame, transfer, optics, output, NULL, 0, stats);
+  return render(caster, frame, transfer, desc, output, NULL, 0, stats);
 }
 
 cellist_result raycaster_recast_pixels(cellist_raycaster *caster, const cellist_frame *frame,
-                                       const cellist_transfer *transfer, const cellist_optics *optics,
+                                       const cellist_transfer *transfer, const cellist_raycast_desc *desc,
                                        const cellist_raycast_output *output, const uint32_t *pixels,
                                        size_t pixel_count) {
   cellist_raycast_stats stats = {0};
-  return render(caster, frame, transfer, optics, output, pixels, pixel_count, &stats);
+  return render(caster, frame, transfer, desc, output, pixels, pixel_count, &stats);
 }

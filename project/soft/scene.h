@@ -7,6 +7,7 @@
 
 #include <cellist/soft.h>
 #include <optics/fast_optics.h>
+#include <surface/layer.h>
 
 /* Pixels along a tile's side: its pixels stay in the first-level cache, and a pixel's place fits in ten bits. */
 enum { SOFT_TILE = 32, SOFT_TILE_PIXELS = SOFT_TILE * SOFT_TILE };
@@ -29,7 +30,8 @@ typedef struct soft_scene {
    * views starts at (.., .., 0) and goes along (0, 0, 1). */
   double across, across_step, upward, upward_step;
   double near;
-  const cellist_frame *frame; /* whose clip planes limit each ray; NULL: the near plane alone does */
+  const cellist_frame *frame; /* whose clip planes limit each ray, as the layer does; NULL: the near plane alone does */
+  surface_layer layer;        /* behind what is drawn; {0}: none */
   double unit;                /* world length of 1 */
   uint32_t width, height, tiles_across;
   const uint32_t *tets, *order;

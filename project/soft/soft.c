@@ -166,7 +166,7 @@ static soft_scene scene_of(const cellist_soft *soft, const cellist_frame *frame,
                       .across_step = 2 * half_width / frame->width,
                       .upward_step = -2 * half_height / frame->height,
                       .near = frame->near_distance / soft->unit,
-                      .frame = frame->clip_count > 0 ? frame : NULL,
+                      .frame = frame->clip_count > 0 || settings->surface != NULL ? frame : NULL,
                       .unit = soft->unit,
                       .width = frame->width,
                       .height = frame->height,
@@ -250,7 +250,9 @@ cellist_result cellist_soft_render(cellist_soft *soft, const cellist_frame *fram
   soft_scene scene = scene_of(soft, frame, settings, image);
   scene.transfer = &table;
   cellist_soft_stats found = {0};
-  result = draw(soft, frame, settings, &scene, &found);
+  result = surface_layer_make(context, settings->surface, frame, &settings->optics.light, &scene.layer);
+  if (result == CELLIST_SUCCESS) result = draw(soft, frame, settings, &scene, &found);
+  surface_layer_release(context, &scene.layer);
   if (result == CELLIST_SUCCESS && stats != NULL) *stats = found;
   fast_transfer_release(context, &table);
   return result;

@@ -300,11 +300,15 @@ static void store_tile(const soft_scene *scene, const soft_worker *worker, uint3
   for (uint32_t y = top; y < scene->height && y < top + SOFT_TILE; y++)
     for (uint32_t x = left; x < scene->width && x < left + SOFT_TILE; x++) {
       const size_t from = (size_t)(y - top) * SOFT_TILE + (x - left), to = (size_t)y * scene->width + x;
+      float colour[3], alpha = 1 - worker->pixels[from][3];
+      float z = (float)(worker->z[from] * scene->unit), z_back = (float)(worker->z_back[from] * scene->unit);
+      for (int k = 0; k < 3; k++) colour[k] = worker->pixels[from][k];
+      surface_layer_put_behind(&scene->layer, to, colour, &alpha, &z, &z_back);
       for (int k = 0; k < 3; k++)
-        if (scene->colour[k] != NULL) scene->colour[k][to] = worker->pixels[from][k];
-      if (scene->alpha != NULL) scene->alpha[to] = 1 - worker->pixels[from][3];
-      if (scene->z != NULL) scene->z[to] = (float)(worker->z[from] * scene->unit);
-      if (scene->z_back != NULL) scene->z_back[to] = (float)(worker->z_back[from] * scene->unit);
+        if (scene->colour[k] != NULL) scene->colour[k][to] = colour[k];
+      if (scene->alpha != NULL) scene->alpha[to] = alpha;
+      if (scene->z != NULL) scene->z[to] = z;
+      if (scene->z_back != NULL) scene->z_back[to] = z_back;
     }
 }
 
@@ -315,6 +319,8 @@ static void set_limits(const soft_scene *scene, soft_worker *worker, uint32_t le
       double origin[3], direction[3], limits[2];
       cellist_frame_ray(scene->frame, left + x + 0.5, top + y + 0.5, origin, direction);
       cellist_frame_interval(scene->frame, origin, direction, limits);
+      if (scene->layer.depth != NULL)
+        limits[1] = fmin(limits[1], scene->layer.depth[(size_t)(top + y) * scene->width + left + x]);
       const size_t at = (size_t)y * SOFT_TILE + x;
       const bool sees = limits[0] < limits[1];
       if (scene->parallel) {

@@ -73,9 +73,9 @@ static inline void stage_close(stage *made) {
   cellist_mesh_destroy(made->mesh);
 }
 
-/* Draws the frame with one renderer; NULL if it does not draw this. The image is the caller's. */
-static inline cellist_image *stage_draw(stage *made, int renderer, const cellist_frame *frame,
-                                        const cellist_optics *optics) {
+/* Draws the frame with one renderer; NULL if it does not draw this. The image is the caller's. surface may be NULL. */
+static inline cellist_image *stage_draw_with(stage *made, int renderer, const cellist_frame *frame,
+                                             const cellist_optics *optics, const cellist_surface *surface) {
   cellist_context *context = made->context;
   static const cellist_optics plain = {0};
   if (optics == NULL) optics = &plain;
@@ -84,7 +84,9 @@ static inline cellist_image *stage_draw(stage *made, int renderer, const cellist
   cellist_result result = CELLIST_SUCCESS;
   if (renderer == BY_REFERENCE || renderer == BY_FAST) {
     const cellist_raycast_desc desc = {
-        .precision = renderer == BY_FAST ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE, .optics = *optics};
+        .precision = renderer == BY_FAST ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE,
+        .optics = *optics,
+        .surface = surface};
     const cellist_raycast_output output = {.image = image};
     result = cellist_raycaster_render(made->caster, frame, &made->transfer, &desc, &output, NULL);
   } else {
@@ -95,17 +97,26 @@ static inline cellist_image *stage_draw(stage *made, int renderer, const cellist
     const cellist_group *sorted = NULL;
     size_t group_count = 0;
     cellist_sorter_groups(made->sorter, &sorted, &group_count);
-    if (renderer == BY_FACES) {
-      const cellist_gl_settings settings = {.optics = *optics};
-      result = cellist_gl_render(made->gl, frame, &made->transfer, made->order, count, &settings, image, NULL);
-    } else {
-      cellist_soft_group *groups = malloc((group_count + 1) * sizeof *groups);
-      for (size_t i = 0; i < group_count; i++) groups[i] = (cellist_soft_group){sorted[i].begin, sorted[i].count};
-      const cellist_soft_settings settings = {
-          .optics = *optics, .order = made->order, .order_count = count, .groups = groups, .group_count = group_count};
-      result = cellist_soft_render(made->soft[renderer - BY_SOFT], frame, &made->transfer, &settings, image, NULL);
-      free(groups);
+    cellist_soft_group *groups = malloc((group_count + 1) * sizeof *groups);
+    cellist_gl_group *gl_groups = malloc((group_count + 1) * sizeof *gl_groups);
+    for (size_t i = 0; i < group_count; i++) {
+      groups[i] = (cellist_soft_group){sorted[i].begin, sorted[i].count};
+      gl_groups[i] = (cellist_gl_group){sorted[i].begin, sorted[i].count};
     }
+    const cellist_gl_settings gl_settings = {
+        .optics = *optics, .groups = gl_groups, .group_count = group_count, .surface = surface};
+    const cellist_soft_settings settings = {.optics = *optics,
+                                            .order = made->order,
+                                            .order_count = count,
+                                            .groups = groups,
+                                            .group_count = group_count,
+                                            .surface = surface};
+    if (renderer == BY_FACES)
+      result = cellist_gl_render(made->gl, frame, &made->transfer, made->order, count, &gl_settings, image, NULL);
+    else
+      result = cellist_soft_render(made->soft[renderer - BY_SOFT], frame, &made->transfer, &settings, image, NULL);
+    free(groups);
+    free(gl_groups);
   }
   if (result == CELLIST_ERROR_UNSUPPORTED) {
     cellist_context_take_error(context);
@@ -114,6 +125,11 @@ static inline cellist_image *stage_draw(stage *made, int renderer, const cellist
   }
   assert_success(context, result);
   return image;
+}
+
+static inline cellist_image *stage_draw(stage *made, int renderer, const cellist_frame *frame,
+                                        const cellist_optics *optics) {
+  return stage_draw_with(made, renderer, frame, optics, NULL);
 }
 
 /* A mesh of n^3 cubes, six tets each, over low..high; scalar base + slope . p. */

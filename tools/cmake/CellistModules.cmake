@@ -2,7 +2,7 @@
 # Which modules are built. CELLIST_MODULES names what is wanted; what these need comes along.
 #   cmake -DCELLIST_MODULES=sort ...        the sorter and the base, nothing else
 #   cmake -DCELLIST_MODULES="raycast;tools" no OpenGL, no convexifier
-set(CELLIST_ALL_MODULES base data generators convexify sort optics raycast soft gl tools)
+set(CELLIST_ALL_MODULES base data generators convexify sort optics surface raycast soft gl tools)
 set(CELLIST_MODULES "all" CACHE STRING "Modules to build: all, or some of ${CELLIST_ALL_MODULES}")
 
 set(needs_base "")
@@ -11,10 +11,11 @@ set(needs_generators data)
 set(needs_convexify data)
 set(needs_sort base)
 set(needs_optics base)
-set(needs_raycast data optics)
-set(needs_soft data optics)
-set(needs_gl data optics)
-set(needs_tools data generators sort optics raycast soft)
+set(needs_surface data optics)
+set(needs_raycast data optics surface)
+set(needs_soft data optics surface)
+set(needs_gl data optics surface)
+set(needs_tools data generators sort optics surface raycast soft)
 
 set(CELLIST_ENABLED ${CELLIST_MODULES})
 if(CELLIST_MODULES STREQUAL "all")

@@ -6,6 +6,7 @@
 #include <cellist/image.h>
 #include <cellist/mesh.h>
 #include <cellist/optics.h>
+#include <cellist/surface.h>
 #include <cellist/transfer.h>
 #include <cellist/view.h>
 
@@ -82,6 +83,7 @@ typedef struct cellist_gl_settings {
   const cellist_gl_group *groups; /* [group_count] ascending, disjoint; may be NULL if there are none */
   size_t group_count;
   cellist_gl_group_method group_method;
+  const cellist_surface *surface; /* stands in the picture; NULL: none */
 } cellist_gl_settings;
 
 /* What a render did. */

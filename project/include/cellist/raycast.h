@@ -9,6 +9,7 @@
 #include <cellist/image.h>
 #include <cellist/mesh.h>
 #include <cellist/optics.h>
+#include <cellist/surface.h>
 #include <cellist/transfer.h>
 #include <cellist/view.h>
 
@@ -42,6 +43,7 @@ CELLIST_API void cellist_raycaster_destroy(cellist_raycaster *caster);
 typedef struct cellist_raycast_desc {
   cellist_precision precision;
   cellist_optics optics;
+  const cellist_surface *surface; /* stands in the picture; NULL: none */
 } cellist_raycast_desc;
 
 /* Where a picture goes; all arrays are the caller's, row 0 is the top one, any may be NULL. */
@@ -50,7 +52,7 @@ typedef struct cellist_raycast_output {
   double *transmittance; /* [width height] 1 - A without its cancellation; 1 in the models that absorb nothing */
   double *z, *z_back;    /* [width height] depth along frame->forward where the first contribution begins and the last
                             one ends; infinity and 0 where there is none */
-  uint32_t *cell_count;  /* [width height] cells that the ray passed beyond the near plane */
+  uint32_t *cell_count;  /* [width height] cells that the ray passed where it is seen */
   uint32_t
       *segment_count;   /* [width height] pieces of them that were integrated: split at the transfer function's knots */
   cellist_image *image; /* of the frame's size; those of its channels R G B A, Z, ZBack, transmittance.Y, cells.Y,

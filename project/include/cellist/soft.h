@@ -7,6 +7,7 @@
 #include <cellist/image.h>
 #include <cellist/mesh.h>
 #include <cellist/optics.h>
+#include <cellist/surface.h>
 #include <cellist/transfer.h>
 #include <cellist/view.h>
 
@@ -48,6 +49,7 @@ typedef struct cellist_soft_settings {
   size_t order_count;
   const cellist_soft_group *groups; /* [group_count] ascending, disjoint; may be NULL if there are none */
   size_t group_count;
+  const cellist_surface *surface; /* stands in the picture; NULL: none */
 } cellist_soft_settings;
 
 /* What a render did. */
