@@ -112,8 +112,8 @@ static cellist_pipeline_desc pipeline_desc(const struct render_options *options,
   if (strcmp(options->backend, "osmesa") == 0) desc.backend = CELLIST_BACKEND_OSMESA;
   if (strcmp(options->backend, "egl") == 0) desc.backend = CELLIST_BACKEND_EGL;
   if (strcmp(options->backend, "glfw") == 0) desc.backend = CELLIST_BACKEND_GLFW;
-  if (strcmp(options->framebuffer, "16f") == 0) desc.pixels = CELLIST_PIXELS_16F;
-  if (strcmp(options->framebuffer, "8") == 0) desc.pixels = CELLIST_PIXELS_8;
+  if (strcmp(options->framebuffer, "16f") == 0) desc.framebuffer = CELLIST_FRAMEBUFFER_16F;
+  if (strcmp(options->framebuffer, "8") == 0) desc.framebuffer = CELLIST_FRAMEBUFFER_8;
   if (options->tets != NULL) desc.tets = (uint32_t)strtoul(options->tets, NULL, 10);
   desc.precision = strcmp(options->precision, "fast") == 0 ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE;
   return desc;

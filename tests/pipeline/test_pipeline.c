@@ -191,3 +191,37 @@ TEST(what_does_not_exist_is_named)
   assert_null(image);
   harness_context_destroy(context);
 }
+
+/* What a picture of two spheres' tets says about its order and its pixels. */
+static double error_of(cellist_context *context, const cellist_pipeline_desc *desc, const cellist_image *reference,
+                       const char *order) {
+  cellist_image *image = NULL;
+  cellist_pipeline_stats stats;
+  cellist_image_error error;
+  assert_success(context, draw(context, desc, &image, &stats));
+  assert_string_equal(stats.order, order);
+  assert_success(context, cellist_image_compare(context, image, reference, &error, NULL));
+  cellist_image_destroy(image);
+  return error.rmse;
+}
+
+TEST(wrong_orders_and_narrow_framebuffers_show)
+{
+  cellist_context *context = harness_context(2);
+  cellist_pipeline_desc desc = {.source = "sample:ball:3000",
+                                .optics = {.transfer = "dense", .unit_diagonal_fraction = 10},
+                                .precision = CELLIST_PRECISION_REFERENCE,
+                                .renderer = CELLIST_RENDERER_CAST};
+  cellist_image *reference = NULL;
+  assert_success(context, draw(context, &desc, &reference, NULL));
+  desc.renderer = CELLIST_RENDERER_SOFT;
+  assert_true(error_of(context, &desc, reference, "exact") < 1e-5);
+  desc.sorting = CELLIST_SORTING_CENTROID;
+  const double centroid = error_of(context, &desc, reference, "approximate");
+  desc.sorting = CELLIST_SORTING_NONE;
+  const double unsorted = error_of(context, &desc, reference, "approximate");
+  print_message("by centroids %g, unsorted %g\n", centroid, unsorted);
+  assert_true(centroid > 1e-5 && unsorted > 2 * centroid);
+  cellist_image_destroy(reference);
+  harness_context_destroy(context);
+}

@@ -25,16 +25,11 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   if (groups == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   for (size_t i = 0; i < group_count; i++)
     groups[i] = (cellist_gl_group){pipeline->groups[i].begin, pipeline->groups[i].count};
-  static const cellist_framebuffer framebuffers[] = {[CELLIST_PIXELS_32F] = CELLIST_FRAMEBUFFER_32F,
-                                                     [CELLIST_PIXELS_16F] = CELLIST_FRAMEBUFFER_16F,
-                                                     [CELLIST_PIXELS_8] = CELLIST_FRAMEBUFFER_8};
   static const char *const names[] = {"32f", "16f", "8"};
   const bool maximum = pipeline->desc.optics.model.model == CELLIST_MODEL_MAXIMUM;
-  const cellist_pixels pixels = maximum ? CELLIST_PIXELS_32F : pipeline->desc.pixels;
-  const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model,
-                                        .framebuffer = framebuffers[pixels],
-                                        .groups = groups,
-                                        .group_count = group_count};
+  const cellist_framebuffer framebuffer = maximum ? CELLIST_FRAMEBUFFER_32F : pipeline->desc.framebuffer;
+  const cellist_gl_settings settings = {
+      .optics = pipeline->desc.optics.model, .framebuffer = framebuffer, .groups = groups, .group_count = group_count};
   cellist_gl_stats drawn;
   const double begin = pipeline_seconds();
   result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order, pipeline->order_count,
@@ -46,7 +41,7 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   stats->method = "exact";
   stats->precision = "fast";
   stats->backend = cellist_gl_backend_name(pipeline->gl);
-  stats->pixels = names[pixels];
+  stats->pixels = names[framebuffer];
   stats->fragments = drawn.fragment_count;
   pipeline_leave_out(stats, "exterior", "gaps are ordered by the boundary's own faces");
   pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");

@@ -11,6 +11,8 @@ static cellist_result make_sorter(cellist_pipeline *pipeline) {
                                     .tet_count = arrays->tet_count,
                                     .tets = arrays->tets,
                                     .neighbours = arrays->neighbours};
+  if (pipeline->desc.sorting == CELLIST_SORTING_CENTROID)
+    return cellist_peer_create(pipeline->context, &desc, "centroid", &pipeline->peer);
   return cellist_sorter_create(pipeline->context, &desc, &pipeline->sorter);
 }
 
@@ -18,7 +20,8 @@ cellist_result pipeline_make_order(cellist_pipeline *pipeline) {
   const size_t tet_count = cellist_mesh_get_arrays(pipeline->drawn)->tet_count;
   pipeline->order = cellist_allocate(pipeline->context, tet_count, sizeof *pipeline->order);
   if (pipeline->order == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
-  if (pipeline_order_free(pipeline) == NULL) return make_sorter(pipeline);
+  if (pipeline_order_free(pipeline) == NULL && pipeline->desc.sorting != CELLIST_SORTING_NONE)
+    return make_sorter(pipeline);
   pipeline->order_count = tet_count;
   for (uint32_t i = 0; i < tet_count; i++) pipeline->order[i] = i;
   pipeline_filter_order(pipeline);
@@ -48,12 +51,18 @@ cellist_result pipeline_sort(cellist_pipeline *pipeline, const cellist_frame *fr
     pipeline_leave_out(stats, "sort", "%s", order_free);
     return CELLIST_SUCCESS;
   }
+  if (pipeline->desc.sorting == CELLIST_SORTING_NONE) {
+    stats->order = "approximate";
+    return CELLIST_SUCCESS;
+  }
   cellist_viewpoint viewpoint = {.parallel = frame->parallel};
   memcpy(viewpoint.position, frame->parallel ? frame->forward : frame->eye, sizeof viewpoint.position);
-  cellist_sort_stats sorted;
+  cellist_sort_stats sorted = {.exact = false};
   const double begin = pipeline_seconds();
-  cellist_result result = cellist_sorter_sort(pipeline->sorter, &viewpoint, pipeline->order, &sorted);
-  if (result == CELLIST_SUCCESS) result = keep_groups(pipeline);
+  cellist_result result = pipeline->peer != NULL
+                              ? cellist_peer_sort(pipeline->peer, &viewpoint, pipeline->order)
+                              : cellist_sorter_sort(pipeline->sorter, &viewpoint, pipeline->order, &sorted);
+  if (result == CELLIST_SUCCESS && pipeline->peer == NULL) result = keep_groups(pipeline);
   if (result != CELLIST_SUCCESS) return result;
   pipeline->order_count = cellist_mesh_get_arrays(pipeline->drawn)->tet_count;
   pipeline_filter_order(pipeline);

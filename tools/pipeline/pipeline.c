@@ -109,6 +109,7 @@ void cellist_pipeline_destroy(cellist_pipeline *pipeline) {
   cellist_deallocate(context, pipeline->isos);
   cellist_soft_destroy(pipeline->soft);
   cellist_sorter_destroy(pipeline->sorter);
+  cellist_peer_destroy(pipeline->peer);
   cellist_raycaster_destroy(pipeline->caster);
   cellist_transfer_release(context, &pipeline->transfer);
   cellist_scalar_release(context, &pipeline->part_scalar);

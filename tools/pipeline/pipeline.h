@@ -6,6 +6,7 @@
 #include <cellist/pipeline.h>
 #include <cellist/soft.h>
 #include <cellist/sort.h>
+#include <cellist/sort_peers.h>
 
 #ifdef CELLIST_HAS_GL
 #include <cellist/gl.h>
@@ -31,7 +32,8 @@ struct cellist_pipeline {
   cellist_raycaster *caster;
   cellist_soft *soft;
   cellist_sorter *sorter;
-  uint32_t *order; /* [order_count] tets of drawn, far to near */
+  cellist_peer *peer; /* orders in the sorter's place; else NULL */
+  uint32_t *order;    /* [order_count] tets of drawn, far to near */
   size_t order_count;
   cellist_group *groups; /* [group_count] of the order */
   size_t group_count, group_capacity;

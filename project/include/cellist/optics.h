@@ -61,6 +61,26 @@ typedef struct cellist_optics {
   uint32_t table_size[2]; /* of TABLE: nodes along each scalar axis and along the length; 0: the usual ones */
 } cellist_optics;
 
+/* The pixels that a renderer through OpenGL blends cells in. */
+typedef enum cellist_framebuffer {
+  CELLIST_FRAMEBUFFER_32F, /* four floats */
+  CELLIST_FRAMEBUFFER_16F, /* four halves: each blend is rounded to 11 bits */
+  CELLIST_FRAMEBUFFER_8    /* four bytes: faint cells vanish */
+} cellist_framebuffer;
+
+/* order[begin] to order[begin + count - 1] lie in front of each other in a circle: on every pixel they are composited
+ * in the order of their depths there, which is exact as long as no two overlap. */
+typedef struct cellist_gl_group {
+  size_t begin, count;
+} cellist_gl_group;
+
+/* How groups are composited. The pictures differ by rounding. */
+typedef enum cellist_gl_group_method {
+  CELLIST_GL_GROUPS_AUTO,  /* up to 16 cells in one go; more: lists where OpenGL is 4.3 or later, else layers */
+  CELLIST_GL_GROUPS_LISTS, /* always per-pixel lists; needs OpenGL 4.3 */
+  CELLIST_GL_GROUPS_LAYERS /* always layer by layer from the far side (depth peeling): a pass a layer */
+} cellist_gl_group_method;
+
 #ifdef __cplusplus
 }
 #endif

@@ -55,8 +55,12 @@ typedef enum cellist_backend {
   CELLIST_BACKEND_GLFW
 } cellist_backend;
 
-/* The pixels that OpenGL blends in: as cellist_framebuffer. */
-typedef enum cellist_pixels { CELLIST_PIXELS_32F, CELLIST_PIXELS_16F, CELLIST_PIXELS_8 } cellist_pixels;
+/* How projected cells are ordered. Only the first is right; the others show what it is worth. */
+typedef enum cellist_sorting {
+  CELLIST_SORTING_EXACT,
+  CELLIST_SORTING_CENTROID, /* by the distance of the cells' centres, as many programs do */
+  CELLIST_SORTING_NONE      /* as the cells are kept */
+} cellist_sorting;
 
 typedef struct cellist_pipeline_desc {
   const char *source;       /* as cellist_pipeline_load */
@@ -65,11 +69,12 @@ typedef struct cellist_pipeline_desc {
   cellist_mesh_read_desc read;
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
-  cellist_backend backend;     /* for faces */
-  cellist_pixels pixels;       /* for faces; maximum intensity is always drawn in floats */
-  uint32_t tets;               /* for cast: bytes a cell of the compact layouts, as cellist_raycaster_desc */
-  cellist_precision precision; /* for cast; fast falls back to reference for models that it does not draw */
-  bool no_plan;                /* do everything, also what this scene does not need: for comparison */
+  cellist_backend backend;         /* for faces */
+  cellist_framebuffer framebuffer; /* for faces; maximum intensity is always drawn in floats */
+  cellist_sorting sorting;         /* for faces and soft */
+  uint32_t tets;                   /* for cast: bytes a cell of the compact layouts, as cellist_raycaster_desc */
+  cellist_precision precision;     /* for cast; fast falls back to reference for models that it does not draw */
+  bool no_plan;                    /* do everything, also what this scene does not need: for comparison */
 } cellist_pipeline_desc;
 
 /* A piece of work that a scene did not need, and why. */
