@@ -102,6 +102,12 @@ cellist_result fast_transfer_create(cellist_context *context, const cellist_tran
     while (k + 1 < created.interval_count && (float)i / FAST_BUCKET_COUNT > created.intervals[k].high) k++;
     created.bucket[i] = k;
   }
+  created.is_small = created.interval_count <= FAST_SMALL;
+  for (uint32_t i = 0; i < FAST_SMALL; i++)
+    for (uint32_t field = 0; field < FAST_FIELDS; field++) {
+      const float *interval = &created.intervals[i < created.interval_count ? i : 0].low;
+      created.small[field][i] = field == 0 && i >= created.interval_count ? INFINITY : interval[field];
+    }
   *made = created;
   return CELLIST_SUCCESS;
 }

@@ -46,17 +46,23 @@ typedef struct fast_interval {
   float unused[6];
 } fast_interval;
 
-/* Starting points of the search for an interval, one per 1/256 of the scalar's range. */
-enum { FAST_BUCKET_COUNT = 256 };
+/* Starting points of the search for an interval, one per 1/1024 of the scalar's range. */
+enum { FAST_BUCKET_COUNT = 1024 };
+
+/* Up to FAST_SMALL intervals are also kept field by field, to be looked up in a register. Fields as in fast_interval.
+ */
+enum { FAST_SMALL = 8, FAST_FIELDS = 10 };
 
 /* A transfer function over scalars scaled to 0..1. The intervals cover -infinity to infinity without gaps; knots far
  * outside 0..1 are left out, and intervals too narrow for single precision. */
 typedef struct fast_transfer {
-  double scalar_low, scalar_half_range; /* scaled = (s/2 - scalar_low/2) / scalar_half_range */
-  uint32_t interval_count;              /* at least 1 */
-  fast_interval *intervals;             /* [interval_count] ascending; from the context's allocator */
-  float opaque;                         /* transmittance at which a ray may end */
-  uint32_t bucket[FAST_BUCKET_COUNT];   /* interval that holds the scalar i/256 */
+  double scalar_low, scalar_half_range;              /* scaled = (s/2 - scalar_low/2) / scalar_half_range */
+  uint32_t interval_count;                           /* at least 1 */
+  fast_interval *intervals;                          /* [interval_count] ascending; from the context's allocator */
+  float opaque;                                      /* transmittance at which a ray may end */
+  uint32_t bucket[FAST_BUCKET_COUNT];                /* interval that holds the scalar i/1024 */
+  bool is_small;                                     /* at most FAST_SMALL intervals: */
+  _Alignas(32) float small[FAST_FIELDS][FAST_SMALL]; /* low is infinite beyond the last */
 } fast_transfer;
 
 /* Makes the table for scalars from minimum to maximum (finite, minimum <= maximum).

@@ -5,23 +5,23 @@
 
 #include "scene.h"
 
-/* A point of the mesh in the image: pixels, NaN if it lies behind the eye. */
+/* A point of the mesh in the image: pixels x y -x -y, so that the largest values of a cell bound it; all infinite if it
+ * lies behind the eye. */
 typedef struct soft_place {
-  float x, y;
+  float x, y, minus_x, minus_y;
 } soft_place;
 
 /* Memory kept from frame to frame. */
 typedef struct soft_bins {
   soft_vertex *vertices; /* [points] */
   soft_place *places;    /* [points] */
-  soft_rect *rects;      /* [rect_capacity] of the order's places */
-  size_t rect_capacity;
-  size_t *counts; /* [tiles][chunks], then where each chunk's entries of a tile begin */
+  soft_rect *rects;      /* [tets] */
+  size_t *counts;        /* [tiles][chunks], then where each chunk's entries of a tile begin */
   size_t count_capacity;
   size_t *tile_begin; /* [tile_capacity] */
   size_t tile_capacity;
-  uint32_t *entries;
-  size_t entry_capacity;
+  uint32_t *entries, *entry_places; /* [entry_capacity]; the second only where there are groups */
+  size_t entry_capacity, place_capacity;
 } soft_bins;
 
 /* Everything about the mesh that binning needs. */
@@ -30,8 +30,9 @@ typedef struct soft_bins_input {
   const cellist_frame *frame;
   size_t point_count, tet_count;
   const double *positions;
-  const double *point_scalars; /* [points] as the optics take them; NULL: on cells */
-  const uint8_t *is_drawn;     /* [tets] */
+  const double *point_scalars; /* [points]; NULL: on cells */
+  soft_bounds_function bound;
+  const uint8_t *is_drawn; /* [tets] */
   size_t order_count;
 } soft_bins_input;
 

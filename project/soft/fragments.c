@@ -65,7 +65,10 @@ bool soft_sort_fragments(const soft_scene *scene, soft_worker *worker) {
   to->count = 0;
   if (!reserve_keys(scene->context, worker, count) || !soft_fragments_reserve(scene->context, to, count)) return false;
   for (size_t i = 0; i < count; i++) {
-    const float middle = from->records[from->cell[i]].place + 0.5f * (from->near_end[i] + from->far_end[i]);
+    const soft_record *record = &from->records[from->cell[i]];
+    const float x = (float)(from->where[i] >> 16 & 0xff), y = (float)(from->where[i] >> 24);
+    const float place = record->place + record->place_x * x + record->place_y * y;
+    const float middle = place + 0.5f * (from->near_end[i] + from->far_end[i]);
     worker->keys[i] = (uint64_t)(from->where[i] & 0xffff) << 32 | nearness_key(middle);
     worker->values[i] = (uint32_t)i;
   }

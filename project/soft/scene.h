@@ -36,36 +36,58 @@ typedef struct soft_scene {
   uint32_t width, height, tiles_across;
   const uint32_t *tets, *order;
   const soft_vertex *vertices;
-  const double *cell_scalars; /* NULL: scalars are the vertices' */
-  const soft_rect *rects;     /* [order_count] */
-  const uint32_t *entries;    /* places in the order, ascending, of each tile */
-  const size_t *tile_begin;   /* [tiles + 1] into entries */
+  const double *cell_scalars;   /* NULL: scalars are the vertices' */
+  const soft_rect *rects;       /* [tets] */
+  const uint32_t *entries;      /* tets of each tile, in the sequence of the order */
+  const uint32_t *entry_places; /* their places in the order; NULL where there are no groups */
+  const size_t *tile_begin;     /* [tiles + 1] into entries */
   const cellist_soft_group *groups;
   size_t group_count;
   const fast_transfer *transfer;
   float *colour[3], *alpha, *z, *z_back; /* the image's planes; NULL: not wanted */
+  bool wants_depth;
 } soft_scene;
 
-/* What a cell contributes to eight or fewer pixels is worked out from these, relative to its own reference ray, the one
- * of its rectangle's first pixel, at depth `depth`: see tile.h. */
+/* What a cell contributes to a pixel is worked out from these, relative to one of its faces; x and y are the pixel's
+ * place in the cell's rectangle, `end` is measured from the face's plane:
+ *   w = place + place_x x + place_y y + end,   t = 1/w (parallel: -w),
+ *   scalar = base + t (s + s_x x + s_y y - s_end end) (parallel: without t). */
 typedef struct soft_record {
-  float s, slope, slope_x, slope_y; /* scalar there, and its derivatives along the ray and across */
-  float depth, place;               /* place is 1/depth, in parallel views -depth */
-  float s_low, s_high;              /* the cell's range, to which scalars are clamped */
+  float place, place_x, place_y;
+  float s, s_x, s_y, s_end, base;
+  float s_low, s_high; /* the cell's range, to which scalars are clamped */
+  float share, shine;  /* light with one gradient a cell: factor of colours, and strength of the highlight */
 } soft_record;
+
+/* The same for the three components of a gradient that is linear in the cell, in units of the light. */
+typedef struct soft_gradient_record {
+  float g[3], g_x[3], g_y[3], g_end[3], base[3], unused;
+} soft_gradient_record;
 
 /* Pixels of cells that wait to be shaded, near to far on each pixel. */
 typedef struct soft_fragments {
   size_t count, capacity, record_count;
-  float *near_end, *far_end; /* places where the ray enters and leaves, relative to the record's */
-  int32_t *where;            /* pixel of the tile, 2^16 times x and 2^24 times y within the cell's rectangle */
-  int32_t *cell;             /* index of the record */
-  soft_record *records;      /* [capacity] */
+  float *near_end, *far_end;       /* places where the ray enters and leaves, relative to the record's */
+  int32_t *where;                  /* pixel of the tile, 2^16 times x and 2^24 times y within the cell's rectangle */
+  int32_t *cell;                   /* index of the record */
+  soft_record *records;            /* [capacity] */
+  soft_gradient_record *gradients; /* [capacity], only where the scene has gradients at points */
 } soft_fragments;
+
+/* Parts of segments within one interval of the transfer function, packed; the arrays hold SOFT_PIECES. */
+enum { SOFT_PIECES = 512, SOFT_ATTRIBUTES = 8 };
+typedef struct soft_pieces {
+  size_t count;
+  float from[SOFT_PIECES], to[SOFT_PIECES], length[SOFT_PIECES];
+  int32_t interval[SOFT_PIECES], pixel[SOFT_PIECES];
+  float depth[2][SOFT_PIECES];                   /* where it begins and ends, if depths are wanted */
+  float attribute[SOFT_ATTRIBUTES][SOFT_PIECES]; /* of light: see pieces.h */
+} soft_pieces;
 
 /* One worker's own memory. */
 typedef struct soft_worker {
   soft_fragments fragments, sorted;
+  soft_pieces *pieces;
   uint64_t *keys, *scratch_keys; /* [sort_capacity] */
   uint32_t *values, *scratch_values;
   size_t sort_capacity;
@@ -83,6 +105,14 @@ void soft_fragments_release(cellist_context *context, soft_fragments *fragments)
 
 /* Puts the worker's fragments in order of pixel, then of depth, near first; false without memory. */
 bool soft_sort_fragments(const soft_scene *scene, soft_worker *worker);
+
+/* Bounds tets begin to end - 1 (a multiple of 8, or the last) by what their points' largest x y -x -y are. */
+typedef void (*soft_bounds_function)(const uint32_t *tets, const float (*places)[4], size_t begin, size_t end,
+                                     uint32_t width, uint32_t height, soft_rect *rects);
+void soft_bounds_portable(const uint32_t *tets, const float (*places)[4], size_t begin, size_t end, uint32_t width,
+                          uint32_t height, soft_rect *rects);
+void soft_bounds_avx2(const uint32_t *tets, const float (*places)[4], size_t begin, size_t end, uint32_t width,
+                      uint32_t height, soft_rect *rects);
 
 /* Fills one tile and writes it to the image; false without memory. */
 typedef bool (*soft_tile_function)(const soft_scene *scene, soft_worker *worker, size_t tile);

@@ -13,7 +13,7 @@ struct cellist_soft {
   const cellist_scalar *scalar;
   bool vectorised;
   double unit;       /* the mesh's diagonal */
-  double *scalars;   /* [points or tets] as the optics take them */
+  double *scalars;   /* [tets] as the optics take them, if they are on cells */
   uint8_t *is_drawn; /* [tets] */
   soft_bins bins;
   soft_worker *workers; /* [worker_count] */
@@ -39,6 +39,14 @@ static soft_tile_function tile_function(const cellist_soft *soft) {
   return soft_tile_portable;
 }
 
+static soft_bounds_function bounds_function(const cellist_soft *soft) {
+#ifdef CELLIST_SOFT_AVX2
+  if (soft->vectorised) return soft_bounds_avx2;
+#endif
+  (void)soft;
+  return soft_bounds_portable;
+}
+
 static void mark_drawn(cellist_soft *soft) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(soft->mesh);
   const bool on_points = soft->scalar->association == CELLIST_ON_POINTS;
@@ -61,8 +69,10 @@ static cellist_result create_workers(cellist_soft *soft) {
     worker->z_back = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z_back);
     worker->near_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->near_place);
     worker->far_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->far_place);
+    worker->pieces = cellist_allocate_zeroed(soft->context, 1, sizeof *worker->pieces);
     if (worker->pixels == NULL || worker->z == NULL || worker->z_back == NULL || worker->near_place == NULL ||
-        worker->far_place == NULL || !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
+        worker->far_place == NULL || worker->pieces == NULL ||
+        !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
       return CELLIST_ERROR_OUT_OF_MEMORY;
   }
   return CELLIST_SUCCESS;
@@ -87,7 +97,8 @@ cellist_result cellist_soft_create(cellist_context *context, const cellist_mesh 
   const double *b = arrays->bounds;
   created->unit = hypot(hypot(b[3] - b[0], b[4] - b[1]), b[5] - b[2]);
   if (!(created->unit > 0) || !isfinite(created->unit)) created->unit = 1;
-  created->scalars = cellist_allocate(context, count, sizeof *created->scalars);
+  const bool on_cells = scalar->association == CELLIST_ON_CELLS;
+  created->scalars = cellist_allocate(context, on_cells ? count : 0, sizeof *created->scalars);
   created->is_drawn = cellist_allocate(context, arrays->tet_count, sizeof *created->is_drawn);
   const bool ok = created->scalars != NULL && created->is_drawn != NULL && create_workers(created) == CELLIST_SUCCESS;
   if (!ok) {
@@ -110,6 +121,7 @@ void cellist_soft_destroy(cellist_soft *soft) {
     cellist_deallocate(context, worker->scratch_keys);
     cellist_deallocate(context, worker->values);
     cellist_deallocate(context, worker->scratch_values);
+    cellist_deallocate(context, worker->pieces);
     cellist_deallocate(context, worker->pixels);
     cellist_deallocate(context, worker->z);
     cellist_deallocate(context, worker->z_back);
@@ -181,9 +193,22 @@ static soft_scene scene_of(const cellist_soft *soft, const cellist_frame *frame,
                       .z_back = cellist_image_channel(image, "ZBack")};
   scene.across = -half_width + 0.5 * scene.across_step;
   scene.upward = half_height + 0.5 * scene.upward_step;
+  scene.wants_depth = scene.z != NULL || scene.z_back != NULL;
   static const char *const colour[3] = {"R", "G", "B"};
   for (int k = 0; k < 3; k++) scene.colour[k] = cellist_image_channel(image, colour[k]);
   return scene;
+}
+
+struct scaling {
+  cellist_soft *soft;
+  const fast_transfer *transfer;
+};
+
+static void scale_scalars(void *user, size_t begin, size_t end, unsigned worker) {
+  (void)worker;
+  const struct scaling *scaling = user;
+  for (size_t i = begin; i < end; i++)
+    scaling->soft->scalars[i] = fast_scalar(scaling->transfer, scaling->soft->scalar->values[i]);
 }
 
 struct tiles {
@@ -202,14 +227,17 @@ static void draw_tiles(void *user, size_t begin, size_t end, unsigned worker) {
 static cellist_result draw(cellist_soft *soft, const cellist_frame *frame, const cellist_soft_settings *settings,
                            soft_scene *scene, cellist_soft_stats *stats) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(soft->mesh);
-  for (size_t i = 0; i < soft->scalar->count; i++)
-    soft->scalars[i] = fast_scalar(scene->transfer, soft->scalar->values[i]);
+  if (scene->cell_scalars != NULL) {
+    struct scaling scaling = {soft, scene->transfer};
+    cellist_parallel_for(soft->context, soft->scalar->count, 16384, scale_scalars, &scaling);
+  }
   const soft_bins_input input = {.context = soft->context,
                                  .frame = frame,
                                  .point_count = arrays->point_count,
                                  .tet_count = arrays->tet_count,
                                  .positions = arrays->positions,
-                                 .point_scalars = scene->cell_scalars == NULL ? soft->scalars : NULL,
+                                 .point_scalars = scene->cell_scalars == NULL ? soft->scalar->values : NULL,
+                                 .bound = bounds_function(soft),
                                  .is_drawn = soft->is_drawn,
                                  .order_count = settings->order_count};
   size_t cell_count = 0;

@@ -22,83 +22,150 @@ typedef struct tile_cell {
   uint32_t cell;
   soft_rect rect;
   int32_t origin; /* of the rectangle, as a pixel of the tile */
-  double place;   /* as the record has it, from which fragments' ends are measured */
 } tile_cell;
 
-static inline void put_record(const cell_batch *batch, int lane, soft_record *record) {
-  record->s = batch->record[0][lane];
-  record->slope = batch->record[1][lane];
-  record->slope_x = batch->record[2][lane];
-  record->slope_y = batch->record[3][lane];
-  record->depth = batch->record[4][lane];
-  record->place = batch->record[5][lane];
-  record->s_low = batch->record[6][lane];
-  record->s_high = batch->record[7][lane];
+/* Between which places eight rays are seen, relative to the record's plane; two: the last four are of the next row. */
+static inline void cut_to_limits(const soft_worker *limits, const soft_record *record, f8 columns, f8 line,
+                                 size_t pixel, size_t next_pixel, f8 *leaves, f8 *enters) {
+  const f8 tilt = f8_fma(f8_all(record->place_x), columns, f8_mul(f8_all(record->place_y), line));
+  const double place = record->place;
+  const f8 near = f8_differences(limits->near_place + pixel, limits->near_place + next_pixel, place);
+  const f8 far = f8_differences(limits->far_place + pixel, limits->far_place + next_pixel, place);
+  *enters = f8_min(*enters, f8_sub(near, tilt));
+  *leaves = f8_max(*leaves, f8_sub(far, tilt));
 }
 
-/* faces: exits first, exit_count of them. Inlined with a constant count, so that the loops over faces unroll.
- * limits: whose near_place and far_place to keep to; NULL: near_limit is that of every pixel. */
-static inline __attribute__((always_inline)) void fill_rows(const tile_cell *cell, const int faces[4],
-                                                            const int exit_count, float near_limit,
-                                                            const soft_worker *limits, soft_fragments *fragments) {
-  static const float ramp[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-  static const int32_t step[8] = {0, 0x10001, 0x20002, 0x30003, 0x40004, 0x50005, 0x60006, 0x70007};
+/* The planes that bound eight pixels' rays: count of them, of which exit_count exits come first; one more is 0 for all,
+ * an exit or an entry. Inlined with constants, so that the loops unroll. */
+static inline __attribute__((always_inline)) void pass_planes(const f8 across[4], const f8 per_y[4], int count,
+                                                              int exit_count, bool exits_at_0, f8 line, f8 *leaves,
+                                                              f8 *enters) {
+  *leaves = *enters = f8_all(0);
+  for (int k = 0; k < count; k++) {
+    const f8 value = f8_fma(per_y[k], line, across[k]);
+    if (k < exit_count)
+      *leaves = k == 0 && !exits_at_0 ? value : f8_max(*leaves, value);
+    else
+      *enters = k == exit_count && exits_at_0 ? value : f8_min(value, *enters);
+  }
+}
+
+/* Adds those of eight pixels that are covered to the list. */
+static inline __attribute__((always_inline)) void put_covered(f8 leaves, f8 enters, unsigned inside, i8 where,
+                                                              int32_t index, soft_fragments *fragments) {
+  const unsigned covered = m8_bits(f8_greater(enters, leaves)) & inside;
+  if (covered == 0) return;
+  const size_t at = fragments->count;
+  const i8 packing = lanes_packing(covered);
+  f8_store_packed(fragments->near_end + at, enters, packing);
+  f8_store_packed(fragments->far_end + at, leaves, packing);
+  i8_store_packed(fragments->where + at, where, packing);
+  i8_store(fragments->cell + at, i8_all(index));
+  fragments->count = at + (size_t)__builtin_popcount(covered);
+}
+
+static const float TILE_RAMP[8] = {0, 1, 2, 3, 4, 5, 6, 7}, TILE_RAMP_TWO[8] = {0, 1, 2, 3, 0, 1, 2, 3};
+static const float TILE_LINE_TWO[8] = {0, 0, 0, 0, 1, 1, 1, 1};
+/* What `where` gains from lane to lane: the pixel, x and y within the rectangle. */
+enum { WHERE_RIGHT = 0x10001, WHERE_DOWN = (1 << 24) + SOFT_TILE };
+#define TILE_ROW(down) (down), (down) + WHERE_RIGHT, (down) + 2 * WHERE_RIGHT, (down) + 3 * WHERE_RIGHT
+static const int32_t TILE_WHERE[8] = {TILE_ROW(0), TILE_ROW(4 * WHERE_RIGHT)};
+static const int32_t TILE_WHERE_TWO[8] = {TILE_ROW(0), TILE_ROW(WHERE_DOWN)};
+
+/* Rows of eight pixels, then pairs of rows of four. limits: whose near_place and far_place to keep to, or NULL. */
+static inline __attribute__((always_inline)) void fill_rows(const tile_cell *cell, const int planes[4], int count,
+                                                            int exit_count, bool exits_at_0, const soft_worker *limits,
+                                                            soft_fragments *fragments) {
   const cell_batch *batch = cell->batch;
   const int lane = cell->lane, width = cell->rect.x1 - cell->rect.x0 + 1, height = cell->rect.y1 - cell->rect.y0 + 1;
-  const f8 columns = f8_load(ramp), limit = f8_all(near_limit);
-  const i8 places = i8_load(step);
   const int32_t index = (int32_t)fragments->record_count;
-  for (int x = 0; x < width; x += 8) {
-    f8 across[4];
-    for (int k = 0; k < 4; k++) {
-      const float(*plane)[4] = batch->plane[faces[k]];
-      across[k] = f8_add(f8_all(plane[0][lane]), f8_mul(f8_all(plane[1][lane]), f8_add(columns, f8_all((float)x))));
-    }
+  f8 at[4], per_x[4], per_y[4], across[4];
+  for (int k = 0; k < count; k++) {
+    const float(*plane)[4] = batch->plane[planes[k]];
+    at[k] = f8_all(plane[0][lane]);
+    per_x[k] = f8_all(plane[1][lane]);
+    per_y[k] = f8_all(plane[2][lane]);
+  }
+  int x = 0;
+  for (; x + 4 < width; x += 8) {
+    const f8 columns = f8_add(f8_load(TILE_RAMP), f8_all((float)x));
+    for (int k = 0; k < count; k++) across[k] = f8_fma(per_x[k], columns, at[k]);
     const unsigned inside = width - x >= 8 ? 255 : (1u << (width - x)) - 1;
+    i8 where = i8_add(i8_load(TILE_WHERE), i8_all(cell->origin + x * WHERE_RIGHT));
     for (int y = 0; y < height; y++) {
-      f8 value[4];
-      for (int k = 0; k < 4; k++)
-        value[k] = f8_add(across[k], f8_mul(f8_all(batch->plane[faces[k]][2][lane]), f8_all((float)y)));
-      f8 leaves = value[0], enters = limit;
-      for (int k = 1; k < exit_count; k++) leaves = f8_max(leaves, value[k]);
-      for (int k = exit_count; k < 4; k++) enters = f8_min(value[k], enters);
+      const f8 line = f8_all((float)y);
+      f8 leaves, enters;
+      pass_planes(across, per_y, count, exit_count, exits_at_0, line, &leaves, &enters);
       if (limits != NULL) {
         const size_t pixel = (size_t)(cell->origin + y * SOFT_TILE + x);
-        enters = f8_min(enters, f8_differences(limits->near_place + pixel, cell->place));
-        leaves = f8_max(leaves, f8_differences(limits->far_place + pixel, cell->place));
+        cut_to_limits(limits, &batch->record[lane], columns, line, pixel, pixel + 4, &leaves, &enters);
       }
-      const unsigned covered = m8_bits(f8_greater(enters, leaves)) & inside;
-      if (covered == 0) continue;
-      const size_t at = fragments->count;
-      const i8 packing = lanes_packing(covered);
-      f8_store_packed(fragments->near_end + at, enters, packing);
-      f8_store_packed(fragments->far_end + at, leaves, packing);
-      const int32_t first = cell->origin + y * SOFT_TILE + x + (x << 16) + (y << 24);
-      i8_store_packed(fragments->where + at, i8_add(i8_all(first), places), packing);
-      i8_store(fragments->cell + at, i8_all(index));
-      fragments->count += (size_t)__builtin_popcount(covered);
+      put_covered(leaves, enters, inside, where, index, fragments);
+      where = i8_add(where, i8_all(WHERE_DOWN));
     }
+  }
+  if (x >= width) return;
+  const f8 columns = f8_add(f8_load(TILE_RAMP_TWO), f8_all((float)x));
+  for (int k = 0; k < count; k++) across[k] = f8_fma(per_x[k], columns, at[k]);
+  const unsigned row = (1u << (width - x)) - 1, two = row | row << 4;
+  i8 where = i8_add(i8_load(TILE_WHERE_TWO), i8_all(cell->origin + x * WHERE_RIGHT));
+  for (int y = 0; y < height; y += 2) {
+    const f8 line = f8_add(f8_load(TILE_LINE_TWO), f8_all((float)y));
+    f8 leaves, enters;
+    pass_planes(across, per_y, count, exit_count, exits_at_0, line, &leaves, &enters);
+    if (limits != NULL) {
+      const size_t pixel = (size_t)(cell->origin + y * SOFT_TILE + x);
+      cut_to_limits(limits, &batch->record[lane], columns, line, pixel, y + 1 < height ? pixel + SOFT_TILE : pixel,
+                    &leaves, &enters);
+    }
+    put_covered(leaves, enters, y + 1 < height ? two : row, where, index, fragments);
+    where = i8_add(where, i8_all(2 * WHERE_DOWN));
   }
 }
 
-static inline void fill_plain(const soft_scene *scene, const soft_worker *limits, const tile_cell *cell,
-                              soft_fragments *fragments) {
+static __attribute__((noinline)) void fill_limited(const tile_cell *cell, const int planes[4], int count,
+                                                   int exit_count, bool exits_at_0, const soft_worker *limits,
+                                                   soft_fragments *fragments) {
+  fill_rows(cell, planes, count, exit_count, exits_at_0, limits, fragments);
+}
+
+/* Where rays are limited there is one version for all cells, not unrolled. */
+static inline void fill_plain(const tile_cell *cell, const soft_worker *limits, soft_fragments *fragments) {
   const cell_batch *batch = cell->batch;
-  int faces[4], exit_count = 0, entry_count = 0;
-  for (int k = 0; k < 4; k++)
-    if (!(batch->is_entry[k] >> cell->lane & 1)) faces[exit_count++] = k;
-  for (int k = 0; k < 4; k++)
-    if (batch->is_entry[k] >> cell->lane & 1) faces[exit_count + entry_count++] = k;
-  const float near_limit = (float)((scene->parallel ? -scene->near : 1 / scene->near) - cell->place);
-  const size_t before = fragments->count;
-  switch (exit_count) {
-    case 1: fill_rows(cell, faces, 1, near_limit, limits, fragments); break;
-    case 2: fill_rows(cell, faces, 2, near_limit, limits, fragments); break;
-    case 3: fill_rows(cell, faces, 3, near_limit, limits, fragments); break;
-    case 4: fill_rows(cell, faces, 4, near_limit, limits, fragments); break;
-    default: return; /* no face is left through: rounding, of a cell thinner than it */
+  const int lane = cell->lane, reference = (int)batch->reference[lane];
+  int planes[4], exits = 0, entries = 0;
+  bool exits_at_0 = true;
+  for (int k = 0; k < 4; k++) {
+    const bool is_entry = (batch->is_entry[k] >> lane & 1) != 0;
+    if (k == reference) exits_at_0 = !is_entry;
+    if (k != reference && !is_entry) planes[exits++] = k;
   }
-  if (fragments->count > before) put_record(batch, cell->lane, &fragments->records[fragments->record_count++]);
+  for (int k = 0; k < 4; k++)
+    if (k != reference && (batch->is_entry[k] >> lane & 1) != 0) planes[exits + entries++] = k;
+  const bool clipped = (batch->clipped >> lane & 1) != 0;
+  if (clipped) planes[exits + entries++] = NEAR_PLANE;
+  const size_t before = fragments->count;
+  const int kind = 2 * exits + exits_at_0 + (clipped ? 8 : 0);
+  if (limits != NULL && kind > 0 && kind < 16 && kind != 7 && kind != 8)
+    fill_limited(cell, planes, exits + entries, exits, exits_at_0, limits, fragments);
+  else
+    switch (kind) {
+      case 1: fill_rows(cell, planes, 3, 0, true, NULL, fragments); break;
+      case 2: fill_rows(cell, planes, 3, 1, false, NULL, fragments); break;
+      case 3: fill_rows(cell, planes, 3, 1, true, NULL, fragments); break;
+      case 4: fill_rows(cell, planes, 3, 2, false, NULL, fragments); break;
+      case 5: fill_rows(cell, planes, 3, 2, true, NULL, fragments); break;
+      case 6: fill_rows(cell, planes, 3, 3, false, NULL, fragments); break;
+      case 9: fill_rows(cell, planes, 4, 0, true, NULL, fragments); break;
+      case 10: fill_rows(cell, planes, 4, 1, false, NULL, fragments); break;
+      case 11: fill_rows(cell, planes, 4, 1, true, NULL, fragments); break;
+      case 12: fill_rows(cell, planes, 4, 2, false, NULL, fragments); break;
+      case 13: fill_rows(cell, planes, 4, 2, true, NULL, fragments); break;
+      case 14: fill_rows(cell, planes, 4, 3, false, NULL, fragments); break;
+      case 15: fill_rows(cell, planes, 4, 3, true, NULL, fragments); break;
+      default: return; /* not entered, or not left: rounding, of a cell thinner than it */
+    }
+  if (fragments->count > before) fragments->records[fragments->record_count++] = batch->record[lane];
 }
 
 /* The plane of a face, from its points in the order of their ids: the two cells that share it get the same bits, so
@@ -132,6 +199,10 @@ static inline void careful_planes(const soft_scene *scene, uint32_t cell, carefu
   }
 }
 
+/* fmin and fmax are calls into the mathematical library. */
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
 /* Cuts leaves..enters by a plane; false if the ray lies beside it. A ray in the plane counts as one displaced to the
  * right by an infinitesimal, and up by its square. */
 static inline bool cut_by_plane(const careful_plane *plane, bool parallel, double u, double v, double *leaves,
@@ -141,9 +212,9 @@ static inline bool cut_by_plane(const careful_plane *plane, bool parallel, doubl
   const double above = parallel ? flat - plane->offset : flat + n[2], below = parallel ? n[2] : plane->offset;
   const double is_inside = below * plane->side;
   if (is_inside > 0)
-    *enters = fmin(*enters, above / below);
+    *enters = smaller(*enters, above / below);
   else if (is_inside < 0)
-    *leaves = fmax(*leaves, above / below);
+    *leaves = larger(*leaves, above / below);
   else
     return (above != 0 ? above : n[0] != 0 ? n[0] : n[1]) * plane->side > 0;
   return true;
@@ -156,23 +227,24 @@ static inline bool careful_pixel(const soft_scene *scene, const tile_cell *cell,
   const cell_batch *batch = cell->batch;
   const int lane = cell->lane;
   const bool parallel = scene->parallel;
-  double leaves = fmax(parallel ? -batch->z_high[lane] : 1 / batch->z_high[lane], limits[1]);
+  double leaves = larger(parallel ? -batch->z_high[lane] : 1 / batch->z_high[lane], limits[1]);
   double enters = limits[0];
   for (int k = 0; k < 4; k++)
     if (!cut_by_plane(&planes[k], parallel, u, v, &leaves, &enters)) return false;
-  if (!parallel) enters = fmin(enters, ENTRY_LIMIT * leaves);
+  if (!parallel) enters = smaller(enters, ENTRY_LIMIT * leaves);
   if (!(enters > leaves)) return false;
   const double t = parallel ? -leaves : 1 / leaves, stretch = parallel ? 1 : t;
   const double *gx = batch->gradient[0], *gy = batch->gradient[1], *gz = batch->gradient[2];
   const double s = batch->corner[3][lane] + gx[lane] * (stretch * u - batch->corner[0][lane]) +
                    gy[lane] * (stretch * v - batch->corner[1][lane]) + gz[lane] * (t - batch->corner[2][lane]);
   const double slope = parallel ? gz[lane] : gx[lane] * u + gy[lane] * v + gz[lane];
-  *record = (soft_record){.s = (float)fmin(fmax(s, batch->s_low[lane]), batch->s_high[lane]),
-                          .slope = (float)slope,
-                          .depth = (float)stretch,
-                          .place = (float)leaves,
-                          .s_low = batch->record[6][lane],
-                          .s_high = batch->record[7][lane]};
+  *record = (soft_record){.place = (float)leaves,
+                          .s_end = (float)(parallel ? slope : slope * t),
+                          .base = (float)smaller(larger(s, batch->s_low[lane]), batch->s_high[lane]),
+                          .s_low = batch->record[lane].s_low,
+                          .s_high = batch->record[lane].s_high,
+                          .share = batch->record[lane].share,
+                          .shine = batch->record[lane].shine};
   *near_end = (float)(enters - leaves);
   return true;
 }
@@ -221,6 +293,17 @@ static inline soft_rect cut_rect(soft_rect rect, uint32_t left, uint32_t top) {
                      (uint16_t)(rect.x1 < right ? rect.x1 : right), (uint16_t)(rect.y1 < bottom ? rect.y1 : bottom)};
 }
 
+/* Entries are not near each other in memory: tets and rectangles are fetched 16 ahead, their points 8. */
+static inline void fetch_ahead(const soft_scene *scene, size_t first, size_t last) {
+  if (last < first + 20) return;
+  for (size_t i = 0; i < 4; i++) {
+    const size_t far = scene->entries[last - 17 - i], near = scene->entries[last - 9 - i];
+    __builtin_prefetch(&scene->tets[4 * far]);
+    __builtin_prefetch(&scene->rects[far]);
+    for (size_t k = 0; k < 4; k++) __builtin_prefetch(&scene->vertices[scene->tets[4 * near + k]]);
+  }
+}
+
 /* Fragments of the entries from last - 1 down to first, in this order. keep: they are not shaded in between. */
 static bool fill_entries(const soft_scene *scene, soft_worker *worker, uint32_t left, uint32_t top, size_t first,
                          size_t last, bool keep) {
@@ -232,28 +315,24 @@ static bool fill_entries(const soft_scene *scene, soft_worker *worker, uint32_t 
     uint32_t cell[4];
     soft_rect rect[4];
     for (int i = 0; i < 4; i++) {
-      const uint32_t place = scene->entries[last - 1 - (size_t)(i < count ? i : 0)];
-      cell[i] = scene->order[place];
-      rect[i] = cut_rect(scene->rects[place], left, top);
+      cell[i] = scene->entries[last - 1 - (size_t)(i < count ? i : 0)];
+      rect[i] = cut_rect(scene->rects[cell[i]], left, top);
     }
+    fetch_ahead(scene, first, last);
     last -= (size_t)count;
     cell_batch batch;
     cells_set_up(scene, cell, rect, &batch);
     for (int i = 0; i < count; i++) {
       if (!(batch.usable >> i & 1)) continue;
-      const tile_cell one = {&batch,
-                             i,
-                             cell[i],
-                             rect[i],
-                             (int32_t)((rect[i].y0 - top) * SOFT_TILE + (rect[i].x0 - left)),
-                             batch.record[5][i]};
+      const tile_cell one = {&batch, i, cell[i], rect[i],
+                             (int32_t)((rect[i].y0 - top) * SOFT_TILE + (rect[i].x0 - left))};
       const size_t area = (size_t)(rect[i].x1 - rect[i].x0 + 1) * (size_t)(rect[i].y1 - rect[i].y0 + 1);
       if (!soft_fragments_reserve(scene->context, fragments, area)) return false;
       if (batch.careful >> i & 1) {
         worker->careful_count++;
         fill_careful(scene, limits, &one, fragments);
       } else {
-        fill_plain(scene, limits, &one, fragments);
+        fill_plain(&one, limits, fragments);
       }
       if (keep || fragments->count < SHADE_AT) continue;
       since += fragments->count;
@@ -270,7 +349,7 @@ static bool fill_entries(const soft_scene *scene, soft_worker *worker, uint32_t 
 static size_t first_entry(const soft_scene *scene, size_t begin, size_t end, size_t place) {
   while (begin < end) {
     const size_t middle = begin + (end - begin) / 2;
-    if (scene->entries[middle] < place)
+    if (scene->entry_places[middle] < place)
       begin = middle + 1;
     else
       end = middle;

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Lanes: eight floats, eight integers or four doubles that are worked on at once; with AVX2 one register each,
- * otherwise (or with LANES_PORTABLE) arrays. Both give the same bits: every operation is the one of IEEE 754, nothing
- * is fused, and minimum and maximum return the second operand where the first is not smaller or larger, NaN included.
- */
-#ifndef CELLIST_SOFT_LANES_H
-#define CELLIST_SOFT_LANES_H
+ * otherwise (or with LANES_PORTABLE) arrays. Every operation is the one of IEEE 754, so both give the same bits but for
+ * f8_fma, which rounds once in registers and twice in arrays; minimum and maximum return the second operand where the
+ * first is not smaller or larger, NaN included. */
+#ifndef CELLIST_LANES_H
+#define CELLIST_LANES_H
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
+
+#include "lanes_packing.h"
 
 #if defined(__AVX2__) && !defined(LANES_PORTABLE)
 
@@ -29,7 +32,11 @@ static inline f8 f8_div(f8 a, f8 b) { return _mm256_div_ps(a, b); }
 static inline f8 f8_sqrt(f8 a) { return _mm256_sqrt_ps(a); }
 static inline f8 f8_min(f8 a, f8 b) { return _mm256_min_ps(a, b); }
 static inline f8 f8_max(f8 a, f8 b) { return _mm256_max_ps(a, b); }
+static inline f8 f8_fma(f8 a, f8 b, f8 c) { return _mm256_fmadd_ps(a, b, c); } /* a b + c */
+static inline f8 f8_abs(f8 a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
 static inline m8 f8_greater(f8 a, f8 b) { return _mm256_cmp_ps(a, b, _CMP_GT_OQ); }
+static inline f8 f8_select(m8 mask, f8 yes, f8 no) { return _mm256_blendv_ps(no, yes, mask); }
+static inline m8 m8_and(m8 a, m8 b) { return _mm256_and_ps(a, b); }
 static inline m8 m8_or(m8 a, m8 b) { return _mm256_or_ps(a, b); }
 static inline unsigned m8_bits(m8 a) { return (unsigned)_mm256_movemask_ps(a); }
 static inline m8 m8_from_bits(unsigned bits) {
@@ -43,16 +50,28 @@ static inline void i8_store(int32_t *p, i8 a) { _mm256_storeu_si256((__m256i *)p
 static inline i8 i8_add(i8 a, i8 b) { return _mm256_add_epi32(a, b); }
 static inline i8 i8_and(i8 a, i8 b) { return _mm256_and_si256(a, b); }
 static inline i8 i8_shift_right(i8 a, int count) { return _mm256_srli_epi32(a, count); }
+static inline i8 i8_sub(i8 a, i8 b) { return _mm256_sub_epi32(a, b); }
+static inline i8 i8_or(i8 a, i8 b) { return _mm256_or_si256(a, b); }
+static inline i8 i8_min(i8 a, i8 b) { return _mm256_min_epi32(a, b); }
+static inline i8 i8_max(i8 a, i8 b) { return _mm256_max_epi32(a, b); }
+static inline i8 i8_shift_left(i8 a, int count) { return _mm256_slli_epi32(a, count); }
+static inline m8 i8_equal(i8 a, i8 b) { return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b)); }
+static inline i8 i8_rotate(i8 a) { /* lane i takes lane i + 1's value, the last one the first one's */
+  return _mm256_permutevar8x32_epi32(a, _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 0));
+}
 static inline f8 i8_to_float(i8 a) { return _mm256_cvtepi32_ps(a); }
+static inline i8 f8_truncate(f8 a) { return _mm256_cvttps_epi32(a); }
+static inline i8 f8_as_bits(f8 a) { return _mm256_castps_si256(a); }
+static inline f8 i8_as_float(i8 a) { return _mm256_castsi256_ps(a); }
+static inline i8 m8_ones(m8 a) { return _mm256_srli_epi32(_mm256_castps_si256(a), 31); } /* 1 where it is set, else 0 */
+/* table[index], index in 0..7; the table is aligned to 32 bytes. */
+static inline f8 f8_lookup(const float table[8], i8 index) {
+  return _mm256_permutevar8x32_ps(_mm256_load_ps(table), index);
+}
 
-/* Stores the lanes whose bit is set one after the other; up to 8 entries at p may be overwritten. */
+/* How to store the lanes whose bit is set one after the other; up to 8 entries at p may be overwritten. */
 static inline i8 lanes_packing(unsigned bits) {
-  /* The k-th set bit's place, in byte k: parallel extraction from 76543210. */
-  uint64_t spread = 0;
-  unsigned at = 0;
-  for (unsigned left = bits; left != 0; left &= left - 1, at += 8)
-    spread |= (uint64_t)(unsigned)__builtin_ctz(left) << at;
-  return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)spread));
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)LANES_PACKING[bits]));
 }
 static inline void f8_store_packed(float *p, f8 a, i8 packing) {
   _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(a, packing));
@@ -91,18 +110,44 @@ static inline void f8_to_rows(f8 a, f8 b, f8 c, f8 d, float out[8][4]) {
   }
 }
 
+/* a, b, c, d of lane i = row[i]: the other way round. */
+static inline void f8_from_rows(float (*row)[4], f8 out[4]) {
+  f8 r[4];
+  for (int i = 0; i < 4; i++)
+    r[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(row[i])), _mm_loadu_ps(row[i + 4]), 1);
+  const f8 ab = _mm256_unpacklo_ps(r[0], r[1]), ab2 = _mm256_unpackhi_ps(r[0], r[1]);
+  const f8 cd = _mm256_unpacklo_ps(r[2], r[3]), cd2 = _mm256_unpackhi_ps(r[2], r[3]);
+  out[0] = _mm256_shuffle_ps(ab, cd, 0x44);
+  out[1] = _mm256_shuffle_ps(ab, cd, 0xee);
+  out[2] = _mm256_shuffle_ps(ab2, cd2, 0x44);
+  out[3] = _mm256_shuffle_ps(ab2, cd2, 0xee);
+}
+/* out[j] lane i = row[i][j], j = 0..3. */
+static inline void f8_transpose_half(const float *const row[8], f8 out[4]) {
+  f8 r[4];
+  for (int i = 0; i < 4; i++)
+    r[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(row[i])), _mm_loadu_ps(row[i + 4]), 1);
+  const f8 ab = _mm256_unpacklo_ps(r[0], r[1]), ab2 = _mm256_unpackhi_ps(r[0], r[1]);
+  const f8 cd = _mm256_unpacklo_ps(r[2], r[3]), cd2 = _mm256_unpackhi_ps(r[2], r[3]);
+  out[0] = _mm256_shuffle_ps(ab, cd, 0x44);
+  out[1] = _mm256_shuffle_ps(ab, cd, 0xee);
+  out[2] = _mm256_shuffle_ps(ab2, cd2, 0x44);
+  out[3] = _mm256_shuffle_ps(ab2, cd2, 0xee);
+}
+
 static inline f4 f4_load(const float *p) { return _mm_loadu_ps(p); }
 static inline void f4_store(float *p, f4 a) { _mm_storeu_ps(p, a); }
+static inline f4 f4_max(f4 a, f4 b) { return _mm_max_ps(a, b); }
 static inline f4 f4_add_scaled(f4 a, f4 b, float scale) { return _mm_add_ps(a, _mm_mul_ps(b, _mm_set1_ps(scale))); }
 
 static inline d4 d4_all(double a) { return _mm256_set1_pd(a); }
 static inline d4 d4_load(const double *p) { return _mm256_loadu_pd(p); }
 static inline void d4_store(double *p, d4 a) { _mm256_storeu_pd(p, a); }
 static inline void d4_store_float(float *p, d4 a) { _mm_storeu_ps(p, _mm256_cvtpd_ps(a)); }
-/* Eight differences of doubles, rounded once. */
-static inline f8 f8_differences(const double *p, double from) {
-  const d4 low = _mm256_sub_pd(_mm256_loadu_pd(p), _mm256_set1_pd(from));
-  const d4 high = _mm256_sub_pd(_mm256_loadu_pd(p + 4), _mm256_set1_pd(from));
+/* Four doubles at a and four at b, less `from`, rounded once. */
+static inline f8 f8_differences(const double *a, const double *b, double from) {
+  const d4 low = _mm256_sub_pd(_mm256_loadu_pd(a), _mm256_set1_pd(from));
+  const d4 high = _mm256_sub_pd(_mm256_loadu_pd(b), _mm256_set1_pd(from));
   return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1);
 }
 static inline d4 d4_add(d4 a, d4 b) { return _mm256_add_pd(a, b); }
@@ -112,6 +157,18 @@ static inline d4 d4_div(d4 a, d4 b) { return _mm256_div_pd(a, b); }
 static inline d4 d4_min(d4 a, d4 b) { return _mm256_min_pd(a, b); }
 static inline d4 d4_max(d4 a, d4 b) { return _mm256_max_pd(a, b); }
 static inline d4 d4_abs(d4 a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
+static inline d4 d4_less(d4 a, d4 b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); } /* for d4_select */
+static inline d4 d4_select(d4 mask, d4 yes, d4 no) { return _mm256_blendv_pd(no, yes, mask); }
+/* Four lanes' columns of floats become four rows, `stride` floats apart. */
+static inline void d4_store_rows(float *p, int stride, const d4 column[4]) {
+  f4 a = _mm256_cvtpd_ps(column[0]), b = _mm256_cvtpd_ps(column[1]);
+  f4 c = _mm256_cvtpd_ps(column[2]), d = _mm256_cvtpd_ps(column[3]);
+  _MM_TRANSPOSE4_PS(a, b, c, d);
+  _mm_storeu_ps(p, a);
+  _mm_storeu_ps(p + stride, b);
+  _mm_storeu_ps(p + 2 * stride, c);
+  _mm_storeu_ps(p + 3 * stride, d);
+}
 /* Bit i: a <= b in lane i; not where one is NaN. */
 static inline unsigned d4_at_most(d4 a, d4 b) { return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LE_OQ)); }
 /* out[j] lane i = row[i][j]. */
@@ -161,7 +218,11 @@ static inline f8 f8_div(f8 a, f8 b) { LANES_EACH(f8, 8, a.v[i] / b.v[i]); }
 static inline f8 f8_sqrt(f8 a) { LANES_EACH(f8, 8, sqrtf(a.v[i])); }
 static inline f8 f8_min(f8 a, f8 b) { LANES_EACH(f8, 8, a.v[i] < b.v[i] ? a.v[i] : b.v[i]); }
 static inline f8 f8_max(f8 a, f8 b) { LANES_EACH(f8, 8, a.v[i] > b.v[i] ? a.v[i] : b.v[i]); }
+static inline f8 f8_fma(f8 a, f8 b, f8 c) { LANES_EACH(f8, 8, a.v[i] * b.v[i] + c.v[i]); }
+static inline f8 f8_abs(f8 a) { LANES_EACH(f8, 8, fabsf(a.v[i])); }
 static inline m8 f8_greater(f8 a, f8 b) { LANES_EACH(m8, 8, a.v[i] > b.v[i]); }
+static inline f8 f8_select(m8 mask, f8 yes, f8 no) { LANES_EACH(f8, 8, mask.v[i] ? yes.v[i] : no.v[i]); }
+static inline m8 m8_and(m8 a, m8 b) { LANES_EACH(m8, 8, a.v[i] & b.v[i]); }
 static inline m8 m8_or(m8 a, m8 b) { LANES_EACH(m8, 8, a.v[i] | b.v[i]); }
 static inline unsigned m8_bits(m8 a) {
   unsigned bits = 0;
@@ -178,14 +239,31 @@ static inline void i8_store(int32_t *p, i8 a) {
 static inline i8 i8_add(i8 a, i8 b) { LANES_EACH(i8, 8, a.v[i] + b.v[i]); }
 static inline i8 i8_and(i8 a, i8 b) { LANES_EACH(i8, 8, a.v[i] & b.v[i]); }
 static inline i8 i8_shift_right(i8 a, int count) { LANES_EACH(i8, 8, (int32_t)((uint32_t)a.v[i] >> count)); }
+static inline i8 i8_sub(i8 a, i8 b) { LANES_EACH(i8, 8, a.v[i] - b.v[i]); }
+static inline i8 i8_or(i8 a, i8 b) { LANES_EACH(i8, 8, a.v[i] | b.v[i]); }
+static inline i8 i8_min(i8 a, i8 b) { LANES_EACH(i8, 8, a.v[i] < b.v[i] ? a.v[i] : b.v[i]); }
+static inline i8 i8_max(i8 a, i8 b) { LANES_EACH(i8, 8, a.v[i] > b.v[i] ? a.v[i] : b.v[i]); }
+static inline i8 i8_shift_left(i8 a, int count) { LANES_EACH(i8, 8, (int32_t)((uint32_t)a.v[i] << count)); }
+static inline m8 i8_equal(i8 a, i8 b) { LANES_EACH(m8, 8, a.v[i] == b.v[i]); }
+static inline i8 i8_rotate(i8 a) { LANES_EACH(i8, 8, a.v[(i + 1) % 8]); }
 static inline f8 i8_to_float(i8 a) { LANES_EACH(f8, 8, (float)a.v[i]); }
-
-static inline i8 lanes_packing(unsigned bits) {
-  i8 places = {{0}};
-  int count = 0;
-  for (unsigned left = bits; left != 0; left &= left - 1) places.v[count++] = __builtin_ctz(left);
-  return places;
+/* As the instruction: what does not fit is the smallest integer. */
+static inline int32_t lanes_truncate(float a) { return a > -2147483648.f && a < 2147483648.f ? (int32_t)a : INT32_MIN; }
+static inline i8 f8_truncate(f8 a) { LANES_EACH(i8, 8, lanes_truncate(a.v[i])); }
+static inline i8 f8_as_bits(f8 a) {
+  i8 r;
+  memcpy(&r, &a, sizeof r);
+  return r;
 }
+static inline f8 i8_as_float(i8 a) {
+  f8 r;
+  memcpy(&r, &a, sizeof r);
+  return r;
+}
+static inline i8 m8_ones(m8 a) { LANES_EACH(i8, 8, (int32_t)a.v[i]); }
+static inline f8 f8_lookup(const float table[8], i8 index) { LANES_EACH(f8, 8, table[index.v[i]]); }
+
+static inline i8 lanes_packing(unsigned bits) { LANES_EACH(i8, 8, LANES_PACKING[bits][i]); }
 static inline void f8_store_packed(float *p, f8 a, i8 packing) {
   for (int i = 0; i < 8; i++) p[i] = a.v[packing.v[i]];
 }
@@ -204,11 +282,20 @@ static inline void f8_to_rows(f8 a, f8 b, f8 c, f8 d, float out[8][4]) {
     out[i][3] = d.v[i];
   }
 }
+static inline void f8_from_rows(float (*row)[4], f8 out[4]) {
+  for (int j = 0; j < 4; j++)
+    for (int i = 0; i < 8; i++) out[j].v[i] = row[i][j];
+}
+static inline void f8_transpose_half(const float *const row[8], f8 out[4]) {
+  for (int j = 0; j < 4; j++)
+    for (int i = 0; i < 8; i++) out[j].v[i] = row[i][j];
+}
 
 static inline f4 f4_load(const float *p) { LANES_EACH(f4, 4, p[i]); }
 static inline void f4_store(float *p, f4 a) {
   for (int i = 0; i < 4; i++) p[i] = a.v[i];
 }
+static inline f4 f4_max(f4 a, f4 b) { LANES_EACH(f4, 4, a.v[i] > b.v[i] ? a.v[i] : b.v[i]); }
 static inline f4 f4_add_scaled(f4 a, f4 b, float scale) { LANES_EACH(f4, 4, a.v[i] + b.v[i] * scale); }
 
 static inline d4 d4_all(double a) { LANES_EACH(d4, 4, a); }
@@ -219,7 +306,9 @@ static inline void d4_store(double *p, d4 a) {
 static inline void d4_store_float(float *p, d4 a) {
   for (int i = 0; i < 4; i++) p[i] = (float)a.v[i];
 }
-static inline f8 f8_differences(const double *p, double from) { LANES_EACH(f8, 8, (float)(p[i] - from)); }
+static inline f8 f8_differences(const double *a, const double *b, double from) {
+  LANES_EACH(f8, 8, (float)((i < 4 ? a[i] : b[i - 4]) - from));
+}
 static inline d4 d4_add(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] + b.v[i]); }
 static inline d4 d4_sub(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] - b.v[i]); }
 static inline d4 d4_mul(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] * b.v[i]); }
@@ -227,6 +316,12 @@ static inline d4 d4_div(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] / b.v[i]); }
 static inline d4 d4_min(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] < b.v[i] ? a.v[i] : b.v[i]); }
 static inline d4 d4_max(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] > b.v[i] ? a.v[i] : b.v[i]); }
 static inline d4 d4_abs(d4 a) { LANES_EACH(d4, 4, fabs(a.v[i])); }
+static inline d4 d4_less(d4 a, d4 b) { LANES_EACH(d4, 4, a.v[i] < b.v[i]); }
+static inline d4 d4_select(d4 mask, d4 yes, d4 no) { LANES_EACH(d4, 4, mask.v[i] != 0 ? yes.v[i] : no.v[i]); }
+static inline void d4_store_rows(float *p, int stride, const d4 column[4]) {
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) p[i * stride + j] = (float)column[j].v[i];
+}
 static inline unsigned d4_at_most(d4 a, d4 b) {
   unsigned bits = 0;
   for (int i = 0; i < 4; i++) bits |= (unsigned)(a.v[i] <= b.v[i]) << i;
