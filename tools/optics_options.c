@@ -8,8 +8,12 @@
 #include <string.h>
 
 void optics_options_init(optics_options *options, option_spec table[OPTICS_OPTION_COUNT]) {
-  *options = (optics_options){
-      .transfer = "ramp", .unit = "auto", .convention = "unstructured", .light = "off", .opacity_scale = 1};
+  *options = (optics_options){.transfer = "ramp",
+                              .unit = "auto",
+                              .convention = "unstructured",
+                              .light = "off",
+                              .integration = "exact",
+                              .opacity_scale = 1};
   options->range.expected = 2;
   const option_spec filled[OPTICS_OPTION_COUNT] = {
       {"scalar", "NAME|NAME:mag|NAME:INDEX", "what to show (the first point array, else the first cell array)",
@@ -28,9 +32,16 @@ void optics_options_init(optics_options *options, option_spec table[OPTICS_OPTIO
        "what a ray gathers (emission-absorption; iso with "
        "--iso)",
        OPTION_CHOICE, &options->model},
-      {"iso", "V[,V...]", "isosurfaces at these scalars, opaque", OPTION_NUMBERS, &options->isos},
+      {"iso", "V[,V...]", "isosurfaces at these scalars", OPTION_NUMBERS, &options->isos},
+      {"iso-opacity", "A[,A...]", "opacity of all isosurfaces, or of each, 0..1 (1)", OPTION_NUMBERS,
+       &options->iso_opacities},
       {"light", "X,Y,Z|headlight|off", "direction towards the light, or from the camera (off)", OPTION_TEXT,
        &options->light},
+      {"samples", "1..4", "faces: parts of a cell's segment that are lit one by one (1)", OPTION_COUNT,
+       &options->samples},
+      {"integration", "exact|psi|table[:SIZE]",
+       "faces: how a segment is integrated; SIZE: N scalars or NxL, L lengths (exact; table:128x32)", OPTION_TEXT,
+       &options->integration},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
   memcpy(table, filled, sizeof filled);
@@ -60,7 +71,15 @@ static const char *resolve_model(const optics_options *options, cellist_isosurfa
     if (strcmp(name, names[i].name) == 0) model->model = names[i].model;
   if ((model->model == CELLIST_MODEL_ISOSURFACES) != (options->isos.count > 0))
     return "--model iso and --iso V need each other";
-  for (size_t i = 0; i < options->isos.count; i++) isos[i] = (cellist_isosurface){options->isos.value[i], 1};
+  const size_t opacity_count = options->iso_opacities.count;
+  if (opacity_count > 1 && opacity_count != options->isos.count)
+    return "--iso-opacity needs one opacity, or one for each --iso";
+  if (opacity_count > 0 && options->isos.count == 0) return "--iso-opacity needs --iso";
+  for (size_t i = 0; i < options->isos.count; i++) {
+    const double opacity = opacity_count == 0 ? 1 : options->iso_opacities.value[opacity_count == 1 ? 0 : i];
+    if (!(opacity >= 0 && opacity <= 1)) return "--iso-opacity needs opacities in 0..1";
+    isos[i] = (cellist_isosurface){options->isos.value[i], opacity};
+  }
   model->isos = isos;
   model->iso_count = options->isos.count;
 
@@ -73,6 +92,37 @@ static const char *resolve_model(const optics_options *options, cellist_isosurfa
       !isfinite(d[0] + d[1] + d[2]) || (d[0] == 0 && d[1] == 0 && d[2] == 0))
     return "--light needs a direction X,Y,Z, headlight or off";
   return NULL;
+}
+
+/* "N", "NxL" or "NxNxL" of a table's size; false if it is none. */
+static bool parse_table_size(const char *text, uint32_t size[2]) {
+  unsigned count[3] = {0, 0, 0};
+  int end = 0, parts = 0;
+  for (const char *at = text; parts < 3; at += end + 1) {
+    end = 0;
+    if (*at < '0' || *at > '9' || sscanf(at, "%5u%n", &count[parts], &end) != 1) return false;
+    parts++;
+    if (at[end] == '\0') break;
+    if (at[end] != 'x' || parts == 3) return false;
+  }
+  if (parts == 3 && count[0] != count[1]) return false;
+  size[0] = count[0];
+  size[1] = count[parts - 1];
+  return size[0] >= 2 && size[0] <= 1024 && size[1] >= 3 && size[1] <= 1024;
+}
+
+static const char *resolve_integration(const optics_options *options, cellist_optics *model) {
+  static const char table[] = "table:";
+  const char *name = options->integration;
+  if (options->samples > 4) return "--samples needs 1 to 4";
+  model->sample_count = options->samples;
+  if (strcmp(name, "exact") == 0) return NULL;
+  model->integration = strcmp(name, "psi") == 0 ? CELLIST_INTEGRATION_PSI : CELLIST_INTEGRATION_TABLE;
+  if (strcmp(name, "psi") == 0 || strcmp(name, "table") == 0) return NULL;
+  if (strncmp(name, table, sizeof table - 1) == 0 && parse_table_size(name + sizeof table - 1, model->table_size))
+    return NULL;
+  return "--integration needs exact, psi, table or table:SIZE, with SIZE N, NxL or NxNxL, N from 2 and L from 3 to "
+         "1024";
 }
 
 const char *optics_options_resolve(const optics_options *options, cellist_isosurface *isos,
@@ -90,6 +140,7 @@ const char *optics_options_resolve(const optics_options *options, cellist_isosur
   optics->convention = strcmp(options->convention, "image") == 0 ? CELLIST_OPACITY_IMAGE : CELLIST_OPACITY_UNSTRUCTURED;
   optics->srgb_colours = options->colours != NULL && strcmp(options->colours, "srgb") == 0;
   const char *wrong = resolve_model(options, isos, &optics->model);
+  if (wrong == NULL) wrong = resolve_integration(options, &optics->model);
   if (wrong != NULL) return wrong;
   if (options->range.count == 2) {
     if (options->range.value[0] > options->range.value[1]) return "--range needs LO,HI with LO at most HI";

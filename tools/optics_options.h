@@ -9,12 +9,13 @@
 
 typedef struct optics_options {
   const char *scalar, *transfer, *unit, *convention, *colours;
-  const char *model, *light;
-  number_list range, isos;
+  const char *model, *light, *integration;
+  number_list range, isos, iso_opacities;
   double opacity_scale;
+  unsigned samples;
 } optics_options;
 
-enum { OPTICS_OPTION_COUNT = 11 };
+enum { OPTICS_OPTION_COUNT = 14 };
 
 /* Sets the defaults and fills the table, which refers to options. */
 void optics_options_init(optics_options *options, option_spec table[OPTICS_OPTION_COUNT]);

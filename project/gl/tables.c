@@ -6,9 +6,6 @@
 
 #include "integrators.h"
 
-/* Lengths of tables unless asked otherwise: more change nothing (optics/README.md). */
-enum { USUAL_LENGTHS = 32 };
-
 static void set_sampling(const gl_api *api, GLenum target) {
   api->TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   api->TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -64,8 +61,8 @@ static cellist_result check_size(cellist_context *context, const gl_api *api, co
 static cellist_preintegration_desc desc_of(const gl_tables_use *use) {
   cellist_preintegration_desc desc = {.minimum = use->scale.offset - 1 / use->scale.factor,
                                       .maximum = use->scale.offset + 1 / use->scale.factor,
-                                      .scalar_count = use->size[0] != 0 ? use->size[0] : 128,
-                                      .length_count = use->size[1] != 0 ? use->size[1] : USUAL_LENGTHS,
+                                      .scalar_count = use->size[0] != 0 ? use->size[0] : CELLIST_TABLE_SCALARS,
+                                      .length_count = use->size[1] != 0 ? use->size[1] : CELLIST_TABLE_LENGTHS,
                                       .lit = use->lit};
   if (desc.length_count > 2) desc.length_unit = use->longest / log2(desc.length_count - 1);
   if (!(desc.length_unit > 0)) desc.length_unit = 1;

@@ -16,7 +16,7 @@
 
 #include "preintegration_private.h"
 
-enum { USUAL_SCALARS = 128, USUAL_LENGTHS = 64, SIZE_LIMIT = 1024 };
+enum { SIZE_LIMIT = 1024 };
 
 /* Extinctions per length unit are cut off here, so that the squares of depths fit a float. */
 static const double EXTINCTION_LIMIT = 1e12;
@@ -339,8 +339,8 @@ cellist_result cellist_preintegration_create(cellist_context *context, const cel
   cellist_preintegration *created = cellist_allocate_zeroed(context, 1, sizeof *created);
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   created->context = context;
-  created->scalar_count = desc->scalar_count != 0 ? desc->scalar_count : USUAL_SCALARS;
-  created->length_count = desc->length_count != 0 ? desc->length_count : USUAL_LENGTHS;
+  created->scalar_count = desc->scalar_count != 0 ? desc->scalar_count : CELLIST_TABLE_SCALARS;
+  created->length_count = desc->length_count != 0 ? desc->length_count : CELLIST_TABLE_LENGTHS;
   created->minimum = desc->minimum;
   created->maximum = desc->maximum;
   created->length_unit = desc->length_unit > 0 ? desc->length_unit : 1;

@@ -223,6 +223,44 @@ case_models_and_light() {
   expect 2 render sample:gears -o a.exr --light 0,0,0
 }
 
+case_integration_is_chosen_and_named() {
+  expect 0 render sample:gears -o exact.exr --renderer faces --size 64x64 --light headlight --samples 4 --json
+  json "j['integration'] == 'exact'"
+  for method in "psi=psi" "table=table 128x128x32" "table:64=table 64x64x64" "table:64x24=table 64x64x24" \
+    "table:96x96x20=table 96x96x20"; do
+    expect 0 render sample:gears -o a.exr --renderer faces --size 64x64 --light headlight --samples 4 \
+      --integration "${method%%=*}" --json
+    json "j['integration'] == '${method#*=}' and j['renderer'] == 'faces'"
+    expect 0 compare a.exr exact.exr --json
+    json "0 < j['rmse'] < 2e-3"
+  done
+  expect 0 render sample:gears -o a.exr --size 32x32 --integration psi --json
+  json "j['renderer'] == 'faces'"
+  expect 0 render sample:gears -o a.exr --size 32x32 --renderer cast --integration psi --json
+  json "j['integration'] == 'exact'"
+  says "integrates exactly"
+  expect 0 render sample:gears -o a.exr --size 32x32 --renderer faces --model mip --integration table --json
+  json "j['integration'] == 'exact'"
+  for size in 1 4x2 8x9x10 1025 8x 8xx 8,8 ""; do
+    expect 2 render sample:gears -o a.exr --integration "table:$size"
+  done
+  expect 2 render sample:gears -o a.exr --integration simpson
+  expect 2 render sample:gears -o a.exr --samples 5
+}
+
+case_isosurfaces_have_opacities() {
+  expect 0 render sample:gears -o a.exr --renderer cast --size 64x64 --iso 0.35,0.5 --iso-opacity 1,0.3 --light headlight
+  expect 0 render sample:gears -o b.exr --renderer faces --size 64x64 --iso 0.35,0.5 --iso-opacity 1,0.3 --light headlight
+  expect 0 compare b.exr a.exr --json
+  json "j['rmse'] < 1e-4"
+  expect 0 render sample:gears -o b.exr --renderer cast --size 64x64 --iso 0.35,0.5 --light headlight
+  expect 0 compare b.exr a.exr --json
+  json "j['rmse'] > 1e-2"
+  expect 2 render sample:gears -o a.exr --iso 0.5 --iso-opacity 2
+  expect 2 render sample:gears -o a.exr --iso 0.5,0.6,0.7 --iso-opacity 0.1,0.2
+  expect 2 render sample:gears -o a.exr --iso-opacity 0.5
+}
+
 case_turntable_writes_numbered_pictures() {
   expect 0 render sample:gears -o 'turn%04d.png' --turntable 3 --size 32x32 --renderer cast
   [ "$(ls turn*.png | tr '\n' ' ')" = "turn0000.png turn0001.png turn0002.png " ] || fail "not three pictures"

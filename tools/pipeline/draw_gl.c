@@ -38,13 +38,16 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   if (result != CELLIST_SUCCESS) return result;
   stats->draw_seconds = pipeline_seconds() - begin;
   stats->renderer = "faces";
-  stats->method = "exact";
+  stats->method = pipeline_name_method(pipeline);
   stats->precision = "fast";
   stats->backend = cellist_gl_backend_name(pipeline->gl);
   stats->pixels = names[framebuffer];
   stats->fragments = drawn.fragment_count;
   pipeline_leave_out(stats, "exterior", "gaps are ordered by the boundary's own faces");
-  pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");
+  if (!pipeline_is_inexact(pipeline))
+    pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");
+  else if (settings.optics.integration == CELLIST_INTEGRATION_PSI)
+    pipeline_leave_out(stats, "tables", "psi has one table for every transfer function");
   return CELLIST_SUCCESS;
 }
 

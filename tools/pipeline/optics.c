@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Optics: from what the caller asks for to a transfer function in mesh units and a model without gaps. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "pipeline.h"
@@ -57,4 +58,20 @@ cellist_result pipeline_keep_model(cellist_pipeline *pipeline) {
     model->light.gradient_unit = length > 0 && range > 0 ? range / length : 1;
   }
   return CELLIST_SUCCESS;
+}
+
+bool pipeline_is_inexact(const cellist_pipeline *pipeline) {
+  const cellist_optics *model = &pipeline->desc.optics.model;
+  return model->integration != CELLIST_INTEGRATION_EXACT &&
+         (model->model == CELLIST_MODEL_EMISSION_ABSORPTION || model->model == CELLIST_MODEL_ABSORPTION);
+}
+
+const char *pipeline_name_method(cellist_pipeline *pipeline) {
+  const cellist_optics *model = &pipeline->desc.optics.model;
+  if (!pipeline_is_inexact(pipeline)) return "exact";
+  if (model->integration == CELLIST_INTEGRATION_PSI) return "psi";
+  const uint32_t scalars = model->table_size[0] != 0 ? model->table_size[0] : CELLIST_TABLE_SCALARS;
+  const uint32_t lengths = model->table_size[1] != 0 ? model->table_size[1] : CELLIST_TABLE_LENGTHS;
+  snprintf(pipeline->method, sizeof pipeline->method, "table %ux%ux%u", scalars, scalars, lengths);
+  return pipeline->method;
 }

@@ -39,9 +39,19 @@ static void warn_of_flaws(cellist_pipeline *pipeline, const char *source) {
       cellist_log(pipeline->context, CELLIST_LOG_WARNING, "%s: %zu %s", source, flaws[i].count, flaws[i].what);
 }
 
-/* The ray caster needs no order and no OpenGL, which in software is slower. */
+/* The ray caster needs no order and no OpenGL, which in software is slower; psi and tables are OpenGL's. */
 static cellist_renderer choose_renderer(const cellist_pipeline *pipeline) {
-  return pipeline->desc.renderer == CELLIST_RENDERER_AUTO ? CELLIST_RENDERER_CAST : pipeline->desc.renderer;
+  const cellist_renderer asked = pipeline->desc.renderer;
+#ifdef CELLIST_HAS_GL
+  if (asked == CELLIST_RENDERER_AUTO && pipeline_is_inexact(pipeline)) return CELLIST_RENDERER_FACES;
+#endif
+  return asked == CELLIST_RENDERER_AUTO ? CELLIST_RENDERER_CAST : asked;
+}
+
+static void warn_of_method(const cellist_pipeline *pipeline) {
+  if (pipeline->renderer != CELLIST_RENDERER_FACES && pipeline_is_inexact(pipeline))
+    cellist_log(pipeline->context, CELLIST_LOG_WARNING,
+                "this renderer integrates exactly; psi and tables are for the renderer 'faces'");
 }
 
 static cellist_result make_renderer(cellist_pipeline *pipeline) {
@@ -88,6 +98,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
     created->renderer = choose_renderer(created);
     result = pipeline_plan(created);
   }
+  if (result == CELLIST_SUCCESS) warn_of_method(created);
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
   created->prepare_seconds = pipeline_seconds() - loaded;
   if (result == CELLIST_SUCCESS)

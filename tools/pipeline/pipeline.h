@@ -29,6 +29,7 @@ struct cellist_pipeline {
   cellist_isosurface *isos;   /* the pipeline's copy, which desc refers to */
   double unit_distance;
   double load_seconds, prepare_seconds;
+  char method[48]; /* of integration, for stats */
   cellist_raycaster *caster;
   cellist_soft *soft;
   cellist_sorter *sorter;
@@ -68,6 +69,10 @@ void pipeline_leave_out(cellist_pipeline_stats *stats, const char *what, const c
 /* optics.c: the transfer function in mesh units; the model with its defaults filled in. */
 cellist_result pipeline_load_transfer(cellist_pipeline *pipeline);
 cellist_result pipeline_keep_model(cellist_pipeline *pipeline);
+/* How faces integrates the model, in words: "exact", "psi", "table 128x128x32". */
+const char *pipeline_name_method(cellist_pipeline *pipeline);
+/* Whether that is by other means than exactly. */
+bool pipeline_is_inexact(const cellist_pipeline *pipeline);
 
 /* order.c: makes the sorter, if the optics need an order; fills order and groups for the frame's eye. */
 cellist_result pipeline_make_order(cellist_pipeline *pipeline);

@@ -49,6 +49,9 @@ typedef enum cellist_integration {
   CELLIST_INTEGRATION_TABLE  /* one look-up in a table made for the transfer function (cellist/preintegration.h) */
 } cellist_integration;
 
+/* Nodes of tables along each scalar axis and along the length unless asked otherwise: more lengths change nothing. */
+enum { CELLIST_TABLE_SCALARS = 128, CELLIST_TABLE_LENGTHS = 32 };
+
 /* {0} is valid: emission and absorption, without light, exact. */
 typedef struct cellist_optics {
   cellist_model model;
@@ -58,7 +61,7 @@ typedef struct cellist_optics {
   uint32_t sample_count;          /* parts of a segment that are lit one by one by gradients at points, 1 to 4; 0: 1.
                                      The reference caster needs none */
   cellist_integration integration;
-  uint32_t table_size[2]; /* of TABLE: nodes along each scalar axis and along the length; 0: the usual ones */
+  uint32_t table_size[2]; /* of TABLE: nodes along each scalar axis and along the length; 0: those above */
 } cellist_optics;
 
 /* The pixels that a renderer through OpenGL blends cells in. */

@@ -4,6 +4,7 @@
 #ifndef CELLIST_PREINTEGRATION_H
 #define CELLIST_PREINTEGRATION_H
 
+#include <cellist/optics.h>
 #include <cellist/transfer.h>
 
 #ifdef __cplusplus
@@ -15,8 +16,8 @@ typedef struct cellist_preintegration_desc {
   double minimum, maximum; /* the scalars of the first and the last node, finite */
   double length_unit;      /* l0, above 0: node k of n stands for the length -l0 log2(1 - k/(n-1)), the last one for an
                               infinite one. 0: 1 */
-  uint32_t scalar_count;   /* nodes along each of the two scalar axes, 2 to 1024; 0: 128 */
-  uint32_t length_count;   /* nodes along the length, 3 to 1024; 0: 64 */
+  uint32_t scalar_count;   /* nodes along each of the two scalar axes, 2 to 1024; 0: CELLIST_TABLE_SCALARS */
+  uint32_t length_count;   /* nodes along the length, 3 to 1024; 0: CELLIST_TABLE_LENGTHS */
   bool lit;                /* also what light needs: three arrays instead of one */
 } cellist_preintegration_desc;
 
