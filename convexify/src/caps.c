@@ -195,7 +195,7 @@ void facet_part(work *w, uint32_t facet) {
       w->facets.items[added].shell = old.shell;
       for (uint32_t side = 0; side < 2; side++)
         if (old.cells[side] != CELLIST_NONE && old.cells[side] >= w->mesh->tet_count && w->pieces.count > 0)
-          list_push(w, &w->pieces.items[old.cells[side] - w->mesh->tet_count].members, 2 * added + side);
+          set_push(w, &w->pieces.items[old.cells[side] - w->mesh->tet_count].members, 2 * added + side);
       list_push(w, &w->touched, added);
     }
     first = false;

@@ -7,6 +7,8 @@
  * Our score: reflex edges that the plane splits less those that lie in it, then facets crossed. The paper's: facets
  * crossed. Scores are heuristics and evaluated in double; what a vertex near a plane counts for changes no result but
  * the choice. */
+#include <limits.h>
+
 #include "work.h"
 
 /* Distances below this, in units of the piece's extent, count as on the plane when scores are counted. */
@@ -17,6 +19,11 @@ enum { DEFAULT_CANDIDATES = 20 };
 /* Second edges drawn at either point of a reflex edge: 1 gives spx 796 cells (median of 3 seeds), 4 give 783 for half
  * as much time again. */
 enum { PAIRS_PER_POINT = 4 };
+
+/* How many reflex edges a choice may look at, and facets to break ties: more candidates compete in small pieces than in
+ * large ones, which bounds the work of a cut. Large pieces do not miss them: spx 768 to 778 cells with 4,000, 769 to
+ * 791 without bound, 780 to 810 with 2,000; octopus_low 859 to 898, 1,005 to 1,048, 830 to 880. */
+enum { LOOKS = 4000, TIE_LOOKS = 2000 };
 
 struct candidate {
   uint32_t plane; /* CELLIST_NONE: through points */
@@ -57,10 +64,22 @@ static int side_about(const work *w, const struct candidate *c, uint32_t vertex)
   return value > ON_PLANE ? 1 : value < -ON_PLANE ? -1 : 0;
 }
 
-static long reflex_score(work *w, const struct candidate *c, const id_list *reflex) {
+/* Reflex edges of the piece near the plane; those of its other pieces are not among them. */
+static void gather_near(work *w, const struct candidate *c, uint32_t piece, set_kind kind) {
+  const work_piece *p = &w->pieces.items[piece];
+  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  set_near(w, kind == SET_MEMBERS ? &p->members : &p->reflex, c->normal, c->offset, ON_PLANE, &w->near);
+  size_t kept = 0;
+  for (size_t i = 0; i < w->near.count; i++)
+    if (set_holds(w, cell, kind, w->near.items[i])) w->near.items[kept++] = w->near.items[i];
+  w->near.count = kept;
+}
+
+/* Of w->near: no more than the exact score. */
+static long reflex_score(const work *w, const struct candidate *c) {
   long score = 0;
-  for (size_t i = 0; i < reflex->count; i++) {
-    const uint32_t *v = w->edges.items[reflex->items[i]].v;
+  for (size_t i = 0; i < w->near.count; i++) {
+    const uint32_t *v = w->edges.items[w->near.items[i]].v;
     const int a = side_about(w, c, v[0]), b = side_about(w, c, v[1]);
     score += a * b < 0;
     score -= a == 0 && b == 0;
@@ -68,15 +87,34 @@ static long reflex_score(work *w, const struct candidate *c, const id_list *refl
   return score;
 }
 
+/* An edge that lies in the plane but for rounding is not resolved by it: it is split, with a sliver on either side. On
+ * spheres whose edges follow great circles this made three times as many cells. */
+static long exact_reflex_score(work *w, const struct candidate *c) {
+  long score = 0;
+  const size_t planes = w->planes.count, limbs = w->limbs.count;
+  const uint32_t plane =
+      c->plane != CELLIST_NONE ? c->plane : exact_add_plane(w, c->points[0], c->points[1], c->points[2]);
+  if (plane == CELLIST_NONE) return LONG_MAX;
+  for (size_t i = 0; i < w->near.count; i++) {
+    const uint32_t *v = w->edges.items[w->near.items[i]].v;
+    int sides[2] = {side_about(w, c, v[0]), side_about(w, c, v[1])};
+    if (sides[0] * sides[1] > 0) continue;
+    for (int end = 0; end < 2; end++)
+      if (sides[end] == 0) sides[end] = exact_side(w, v[end], plane);
+    score += sides[0] * sides[1] < 0;
+    score -= sides[0] == 0 && sides[1] == 0;
+  }
+  w->planes.count = planes;
+  w->limbs.count = limbs;
+  return score;
+}
+
 static long crossed_facets(work *w, const struct candidate *c, uint32_t piece) {
   long crossed = 0;
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
-  const id_list *members = &w->pieces.items[piece].members;
-  for (size_t i = 0; i < members->count; i++) {
-    const uint32_t member = members->items[i];
-    if (w->facets.items[member / 2].cells[member % 2] != cell) continue;
+  gather_near(w, c, piece, SET_MEMBERS);
+  for (size_t i = 0; i < w->near.count; i++) {
     int span = 0;
-    for (uint32_t u = w->facets.items[member / 2].first_use; u != CELLIST_NONE && (span & 5) != 5;
+    for (uint32_t u = w->facets.items[w->near.items[i] / 2].first_use; u != CELLIST_NONE && (span & 5) != 5;
          u = w->uses.items[u].next_in_facet)
       for (int end = 0; end < 2; end++)
         span |= 1 << (1 + side_about(w, c, w->edges.items[w->uses.items[u].edge].v[end]));
@@ -85,41 +123,39 @@ static long crossed_facets(work *w, const struct candidate *c, uint32_t piece) {
   return crossed;
 }
 
-/* Drops the entries of edges that are no longer reflex in this piece. */
-static void refresh(work *w, uint32_t piece) {
-  id_list *reflex = &w->pieces.items[piece].reflex;
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
-  size_t kept = 0;
-  for (size_t i = 0; i < reflex->count; i++) {
-    const uint32_t edge = reflex->items[i];
-    if (!w->edges.items[edge].reflex) continue;
-    const uint32_t owner = sector_reflex_cell(w, edge);
-    if (owner == CELLIST_NONE) w->edges.items[edge].reflex = false;
-    if (owner == cell) reflex->items[kept++] = edge;
-  }
-  reflex->count = kept;
-}
-
 struct choice {
   struct candidate best;
   long score, crossed;
+  long looks, ties; /* what is left of LOOKS and TIE_LOOKS */
   bool any, crossed_known;
 };
 
 static void compete(work *w, uint32_t piece, struct choice *choice, const struct candidate *c) {
-  const bool paper = w->desc.score == CELLIST_SCORE_PAPER;
-  const long score = paper ? crossed_facets(w, c, piece) : reflex_score(w, c, &w->pieces.items[piece].reflex);
-  if (choice->any && score > choice->score) return;
-  long crossed = 0;
+  long score = 0, crossed = 0;
   bool crossed_known = false;
-  if (choice->any && score == choice->score) {
-    if (paper) return;
-    if (!choice->crossed_known) choice->crossed = crossed_facets(w, &choice->best, piece);
-    choice->crossed_known = crossed_known = true;
-    crossed = crossed_facets(w, c, piece);
-    if (crossed >= choice->crossed) return;
+  if (w->desc.score == CELLIST_SCORE_PAPER) {
+    score = crossed_facets(w, c, piece);
+    if (choice->any && score >= choice->score) return;
+  } else {
+    gather_near(w, c, piece, SET_REFLEX);
+    choice->looks -= (long)w->near.count;
+    if (choice->any && reflex_score(w, c) > choice->score) return;
+    score = exact_reflex_score(w, c);
+    if (score == LONG_MAX || (choice->any && score > choice->score)) return;
+    if (choice->any && score == choice->score) {
+      if (choice->ties <= 0) return;
+      if (!choice->crossed_known) choice->crossed = crossed_facets(w, &choice->best, piece);
+      choice->crossed_known = crossed_known = true;
+      crossed = crossed_facets(w, c, piece);
+      choice->ties -= (long)w->near.count;
+      if (crossed >= choice->crossed) return;
+    }
   }
-  *choice = (struct choice){*c, score, crossed, true, crossed_known};
+  choice->best = *c;
+  choice->score = score;
+  choice->crossed = crossed;
+  choice->crossed_known = crossed_known;
+  choice->any = true;
 }
 
 /* Planes through a reflex edge and the reflex input edges at one of its input's points. */
@@ -135,26 +171,40 @@ static void compete_pairs(work *w, uint32_t piece, struct choice *choice, const 
   }
 }
 
+/* A reflex edge of the piece: the nth, or any one. */
+static uint32_t draw_edge(work *w, uint32_t piece, bool any, size_t *nth) {
+  const work_set *reflex = &w->pieces.items[piece].reflex;
+  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  for (;;) {
+    const size_t drawn = any ? (size_t)random_below(&w->random, reflex->items.count) : (*nth)++;
+    if (set_holds(w, cell, SET_REFLEX, reflex->items.items[drawn])) return reflex->items.items[drawn];
+  }
+}
+
 uint32_t choose_plane(work *w, uint32_t piece) {
-  refresh(w, piece);
-  const id_list *reflex = &w->pieces.items[piece].reflex;
-  if (reflex->count == 0) return CELLIST_NONE;
+  const work_set *reflex = &w->pieces.items[piece].reflex;
+  if (reflex->live == 0) return CELLIST_NONE;
+  set_arrange(w, piece, SET_REFLEX);
+  set_arrange(w, piece, SET_MEMBERS);
   const size_t wanted = w->desc.candidates > 0 ? w->desc.candidates : DEFAULT_CANDIDATES;
-  const size_t draws = wanted < reflex->count ? wanted : reflex->count;
-  struct choice choice = {0};
-  uint32_t first = CELLIST_NONE;
-  for (size_t i = 0; i < draws; i++) {
-    const size_t drawn = draws == reflex->count ? i : (size_t)random_below(&w->random, reflex->count);
-    const uint32_t edge = reflex->items[drawn];
-    const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  const bool any = wanted < reflex->live;
+  const size_t draws = any ? wanted : reflex->live;
+  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  struct choice choice = {.looks = LOOKS, .ties = TIE_LOOKS};
+  w->choices++;
+  size_t nth = 0;
+  for (size_t i = 0; i < draws && choice.looks > 0; i++) {
+    const uint32_t edge = draw_edge(w, piece, any, &nth);
     sectors_gather(w, edge, cell);
     for (size_t j = 0; j + 1 < w->events.count; j += 2) {
       if (sector_angle(w, edge, &w->events.items[j], &w->events.items[j + 1]) >= 0) continue;
       for (size_t k = j; k < j + 2; k++) {
+        const uint32_t plane = w->facets.items[w->events.items[k].facet].plane;
+        if (w->planes.items[plane].choice == w->choices) continue;
+        w->planes.items[plane].choice = w->choices;
         struct candidate c;
-        of_plane(w, &c, w->facets.items[w->events.items[k].facet].plane);
+        of_plane(w, &c, plane);
         compete(w, piece, &choice, &c);
-        if (i == 0) first = c.plane;
       }
     }
     const work_edge e = w->edges.items[edge];
@@ -162,8 +212,7 @@ uint32_t choose_plane(work *w, uint32_t piece) {
   }
   if (choice.best.plane != CELLIST_NONE) return choice.best.plane;
   const uint32_t *p = choice.best.points;
-  const uint32_t plane = exact_add_plane(w, p[0], p[1], p[2]);
-  return plane != CELLIST_NONE ? plane : first; /* exactly collinear, though not to rounding */
+  return exact_add_plane(w, p[0], p[1], p[2]);
 }
 
 /* Boundary faces a grid cell, on average over a grid as deep as wide; fewer means more and more compact cells.

@@ -16,8 +16,8 @@ void work_release(work *w) {
   cellist_context *context = w->context;
   delaunay_release_work(w);
   for (size_t p = 0; p < w->pieces.count; p++) {
-    cellist_deallocate(context, w->pieces.items[p].members.items);
-    cellist_deallocate(context, w->pieces.items[p].reflex.items);
+    set_release(w, &w->pieces.items[p].members);
+    set_release(w, &w->pieces.items[p].reflex);
     cellist_deallocate(context, w->pieces.items[p].shells.items);
   }
   void *blocks[] = {w->limbs.items,
@@ -41,6 +41,9 @@ void work_release(work *w) {
                     w->split.items,
                     w->on_plane.items,
                     w->zeros.items,
+                    w->near.items,
+                    w->set_order.items,
+                    w->set_boxes.items,
                     w->events.items,
                     w->upper.items,
                     w->lower.items,

@@ -32,22 +32,20 @@ static int span_of(work *w, uint32_t facet, uint32_t plane) {
   return span;
 }
 
-/* w->touched: the piece's facets (each once) that the plane meets. Drops stale members. False: all on one side. */
+/* w->touched: the piece's facets (each once) that the plane meets. False: all on one side, for sure. */
 static bool gather_touched(work *w, uint32_t piece, uint32_t plane) {
   const uint32_t cell = piece_cell(w, piece);
-  id_list *members = &w->pieces.items[piece].members;
+  set_arrange(w, piece, SET_MEMBERS);
+  const work_plane *p = &w->planes.items[plane];
+  int all = set_near(w, &w->pieces.items[piece].members, p->normal, p->offset, 0, &w->near);
   w->touched.count = 0;
-  size_t kept = 0;
-  int all = 0;
-  for (size_t i = 0; i < members->count; i++) {
-    const uint32_t member = members->items[i];
-    if (w->facets.items[member / 2].cells[member % 2] != cell) continue;
-    members->items[kept++] = member;
+  for (size_t i = 0; i < w->near.count; i++) {
+    const uint32_t member = w->near.items[i];
+    if (!set_holds(w, cell, SET_MEMBERS, member)) continue;
     const int span = span_of(w, member / 2, plane);
     all |= span;
     if (span != 1 && span != 4) list_push(w, &w->touched, member / 2);
   }
-  members->count = kept;
   return (all & 5) == 5;
 }
 
@@ -87,15 +85,9 @@ static void split_edge(work *w, uint32_t edge, uint32_t plane) {
   w->vertices.items[middle].sign = 0;
   const uint32_t added = work_add_edge(w, middle, line.v[1], line.line[0], line.line[1], line.line_is_points);
   w->edges.items[edge].v[1] = middle;
-  w->edges.items[added].reflex = line.reflex;
   for (uint32_t u = line.first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_edge)
     work_add_use(w, w->uses.items[u].facet, added, w->uses.items[u].forward);
-  if (!line.reflex) return;
-  const uint32_t cell = sector_reflex_cell(w, added);
-  if (cell == CELLIST_NONE)
-    w->edges.items[edge].reflex = w->edges.items[added].reflex = false;
-  else
-    list_push(w, &w->pieces.items[cell - w->mesh->tet_count].reflex, added);
+  edge_own(w, added, line.reflex_cell);
 }
 
 static void split_edges(work *w, uint32_t plane) {
@@ -148,7 +140,7 @@ static bool has_edge(const work *w, uint32_t facet, uint32_t a, uint32_t b) {
 
 static void push_member(work *w, uint32_t cell, uint32_t member) {
   if (cell != CELLIST_NONE && cell >= w->mesh->tet_count)
-    list_push(w, &w->pieces.items[cell - w->mesh->tet_count].members, member);
+    set_push(w, &w->pieces.items[cell - w->mesh->tet_count].members, member);
 }
 
 /* New edges from a to b, parted at zero vertices that touch the facet in between; into w->split. */

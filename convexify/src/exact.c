@@ -299,7 +299,8 @@ int exact_same_direction(const work *w, uint32_t plane_a, uint32_t plane_b) {
   return (a->exact[k].length > 0) == (b->exact[k].length > 0) ? 1 : -1;
 }
 
-int exact_volume_sign(work *w, const uint32_t *triangles, size_t count) {
+/* Six times the volume between the origin and the triangles. */
+static wide *sum_volume(work *w, const uint32_t *triangles, size_t count) {
   wide *p = &w->scratch[0], *cross = &w->scratch[9], *product = &w->scratch[10], *sum = &w->scratch[11];
   sum->sign = 0;
   sum->length = 0;
@@ -313,7 +314,15 @@ int exact_volume_sign(work *w, const uint32_t *triangles, size_t count) {
       wide_add(sum, sum, product);
     }
   }
-  return sum->sign;
+  return sum;
+}
+
+int exact_volume_sign(work *w, const uint32_t *triangles, size_t count) {
+  return sum_volume(w, triangles, count)->sign;
+}
+
+double exact_volume(work *w, const uint32_t *triangles, size_t count) {
+  return to_double(sum_volume(w, triangles, count), 3 * (w->base - w->shift)) / 6;
 }
 
 /* out[0], out[1]: 1024 y - shear[0] x and 1024 z - shear[1] x, over out[2]. */

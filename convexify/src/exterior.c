@@ -8,9 +8,12 @@
 #include "tree.h"
 
 uint32_t work_add_edge(work *w, uint32_t a, uint32_t b, uint32_t line_a, uint32_t line_b, bool line_is_points) {
-  list_push(
-      w, &w->edges,
-      (work_edge){.v = {a, b}, .first_use = CELLIST_NONE, .line = {line_a, line_b}, .line_is_points = line_is_points});
+  list_push(w, &w->edges,
+            (work_edge){.v = {a, b},
+                        .first_use = CELLIST_NONE,
+                        .line = {line_a, line_b},
+                        .reflex_cell = CELLIST_NONE,
+                        .line_is_points = line_is_points});
   return (uint32_t)w->edges.count - 1;
 }
 
@@ -131,12 +134,87 @@ static void share_planes(work *w, size_t count, const uint32_t *v, uint32_t *pla
   w->block_scratch = NULL;
 }
 
-/* ---- Hull sides less boundary faces -------------------------------------------------------------------------- */
+struct hull_side {
+  uint32_t v[3], plane;
+};
+
+static int compare_sides(const void *a, const void *b) {
+  const uint32_t *x = a, *y = b;
+  for (int k = 0; k < 3; k++)
+    if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
+  return 0;
+}
 
 static int compare_keys(const void *a, const void *b) {
   const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
   return x < y ? -1 : x > y;
 }
+
+/* The lowest of a side's corners, the one farthest from it, and the one that spans most with both. */
+static struct hull_side widest(const work *w, const uint64_t *corners, size_t count) {
+  const uint32_t lowest = (uint32_t)corners[0];
+  struct hull_side side = {{lowest, lowest, lowest}, (uint32_t)(corners[0] >> 32)};
+  const double *a = w->vertices.items[lowest].p, *b = a;
+  for (int pass = 1; pass < 3; pass++) {
+    double most = 0;
+    for (size_t i = 1; i < count; i++) {
+      const double *p = w->vertices.items[(uint32_t)corners[i]].p;
+      double size = 0;
+      for (int k = 0; k < 3; k++) {
+        const int j = (k + 1) % 3, l = (k + 2) % 3;
+        const double part = pass == 1 ? p[k] - a[k] : (b[j] - a[j]) * (p[l] - a[l]) - (b[l] - a[l]) * (p[j] - a[j]);
+        size += part * part;
+      }
+      if (size <= most) continue;
+      most = size;
+      side.v[pass] = (uint32_t)corners[i];
+    }
+    b = w->vertices.items[side.v[1]].p;
+  }
+  return side;
+}
+
+/* How CGAL splits a flat side into triangles changes from call to call. So that the same mesh always gives the same
+ * complex, a side's plane is spanned by corners that do not depend on it, and sides are numbered by them. */
+static void settle_sides(work *w, key_list *corners) {
+  corners->count = 0;
+  for (size_t t = 0; t < w->hull.count; t++)
+    for (int k = 0; k < 3; k++) list_push(w, corners, (uint64_t)w->hull.items[t].plane << 32 | w->hull.items[t].v[k]);
+  qsort(corners->items, corners->count, sizeof *corners->items, compare_keys);
+  size_t kept = 0;
+  for (size_t i = 0; i < corners->count; i++)
+    if (kept == 0 || corners->items[kept - 1] != corners->items[i]) corners->items[kept++] = corners->items[i];
+  struct hull_side *sides = w->block_scratch = cellist_allocate(w->context, w->hull.count, sizeof *sides);
+  if (sides == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  size_t count = 0;
+  for (size_t begin = 0, end; begin < kept; begin = end) {
+    for (end = begin + 1; end < kept && corners->items[end] >> 32 == corners->items[begin] >> 32;) end++;
+    struct hull_side side = widest(w, &corners->items[begin], end - begin);
+    const size_t planes = w->planes.count, limbs = w->limbs.count;
+    const uint32_t plane = exact_add_plane(w, side.v[0], side.v[1], side.v[2]);
+    if (plane == CELLIST_NONE) {
+      cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: the hull has a side of no area");
+      work_fail(w, CELLIST_ERROR_INTERNAL);
+    }
+    if (exact_same_direction(w, plane, side.plane) < 0) {
+      const uint32_t swap = side.v[1];
+      side.v[1] = side.v[2];
+      side.v[2] = swap;
+    }
+    w->planes.count = planes;
+    w->limbs.count = limbs;
+    sides[count++] = side;
+  }
+  qsort(sides, count, sizeof *sides, compare_sides);
+  work_reserve(w, &w->ids, w->planes.count + count, sizeof *w->ids.items);
+  for (size_t s = 0; s < count; s++)
+    w->ids.items[sides[s].plane] = exact_add_plane(w, sides[s].v[0], sides[s].v[1], sides[s].v[2]);
+  for (size_t t = 0; t < w->hull.count; t++) w->hull.items[t].plane = w->ids.items[w->hull.items[t].plane];
+  cellist_deallocate(w->context, sides);
+  w->block_scratch = NULL;
+}
+
+/* ---- Hull sides less boundary faces -------------------------------------------------------------------------- */
 
 static bool is_on(const hull_sides *s, uint32_t vertex, uint32_t plane) {
   for (uint32_t i = s->start.items[vertex]; i < s->start.items[vertex + 1]; i++)
@@ -342,7 +420,7 @@ static int shell_sign(work *w, const uint32_t *members, size_t count, uint32_t b
 
 static void add_member(work *w, uint32_t piece, uint32_t member) {
   w->facets.items[member / 2].cells[member % 2] = (uint32_t)(w->mesh->tet_count + piece);
-  list_push(w, &w->pieces.items[piece].members, member);
+  set_push(w, &w->pieces.items[piece].members, member);
 }
 
 /* Parts the exterior into connected pieces: every outward shell is one, with the inward shells inside it. */
@@ -412,15 +490,14 @@ static void find_reflex_edges(work *w) {
   for (uint32_t e = 0; e < w->edges.count; e++) {
     const uint32_t cell = sector_reflex_cell(w, e);
     if (cell == CELLIST_NONE) continue;
-    w->edges.items[e].reflex = true;
-    list_push(w, &w->pieces.items[cell - w->mesh->tet_count].reflex, e);
+    edge_own(w, e, cell);
     for (int end = 0; end < 2; end++) start->items[w->edges.items[e].v[end] + 2]++;
   }
   for (size_t v = 2; v < start->count; v++) start->items[v] += start->items[v - 1];
   work_reserve(w, &w->input_reflex, start->items[start->count - 1], sizeof *w->input_reflex.items);
   for (uint32_t e = 0; e < w->edges.count; e++) {
     const work_edge *edge = &w->edges.items[e];
-    for (int end = 0; end < 2 && edge->reflex; end++)
+    for (int end = 0; end < 2 && edge->reflex_cell != CELLIST_NONE; end++)
       w->input_reflex.items[start->items[edge->v[end] + 1]++] = edge->v[1 - end];
   }
 }
@@ -451,6 +528,8 @@ static void build_facets(work *w, hull_sides *s) {
   work_reserve(w, &w->ids, count + w->hull.count, sizeof *w->ids.items);
   share_planes(w, count, w->boundary.items[0].v, &w->boundary.items[0].plane, 5, w->ids.items);
   share_planes(w, w->hull.count, w->hull.items[0].v, &w->hull.items[0].plane, 4, w->ids.items);
+  settle_sides(w, &s->chain);
+  s->chain.count = 0;
   find_vertices_on_sides(w, s);
   uint32_t *sides_of = cellist_allocate(w->context, count, sizeof *sides_of);
   w->side_scratch = sides_of;

@@ -63,15 +63,7 @@ static void add_contacts(work *w) {
   }
 }
 
-#include <stdio.h>
 _Noreturn static void fail_polygon(work *w, uint32_t a, uint32_t b) {
-  fprintf(stderr, "violations %zu; hits %zu sorted %zu\n", w->stats.convexity_violations, w->hits.count,
-          w->sorted.count);
-  for (size_t i = 0; i < w->hits.count; i += 2) {
-    const double *p = w->vertices.items[w->hits.items[i]].p;
-    fprintf(stderr, "%u->%u  %.17g %.17g %.17g\n", w->hits.items[i], w->hits.items[i + 1], p[0], p[1], p[2]);
-  }
-
   cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
                "convexify: cells %u and %u of the complex do not meet in one polygon", a, b);
   work_fail(w, CELLIST_ERROR_GEOMETRY);
@@ -146,9 +138,10 @@ static void measure_mesh(work *w) {
     sum += volume / 6;
   }
   w->stats.mesh_volume = (double)sum;
-  sum = 0;
-  for (size_t t = 0; t < w->hull.count; t++) sum += polygon_volume(w, w->hull.items[t].v, 3);
-  w->stats.hull_volume = (double)sum;
+  w->sorted.count = 0;
+  for (size_t t = 0; t < w->hull.count; t++)
+    for (int k = 0; k < 3; k++) list_push(w, &w->sorted, w->hull.items[t].v[k]);
+  w->stats.hull_volume = exact_volume(w, w->sorted.items, w->hull.count);
 }
 
 void finish(work *w, cellist_complex **complex) {

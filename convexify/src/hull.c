@@ -14,6 +14,27 @@ static void add_face(work *w, uint32_t a, uint32_t b, uint32_t c) {
   list_push(w, &w->hull, face);
 }
 
+static int compare_triangles(const void *a, const void *b) {
+  const uint32_t *x = a, *y = b;
+  for (int k = 0; k < 3; k++)
+    if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
+  return 0;
+}
+
+/* CGAL's order of triangles, and of a triangle's corners, changes from call to call. */
+static void put_in_order(uint32_t *triangles, size_t count) {
+  for (size_t t = 0; t < count; t++) {
+    uint32_t *v = &triangles[3 * t];
+    while (v[0] > v[1] || v[0] > v[2]) {
+      const uint32_t first = v[0];
+      v[0] = v[1];
+      v[1] = v[2];
+      v[2] = first;
+    }
+  }
+  qsort(triangles, count, 3 * sizeof *triangles, compare_triangles);
+}
+
 void hull_gather(work *w) {
   const size_t count = w->vertices.count;
   double_list *positions = &w->box_scratch;
@@ -33,6 +54,7 @@ void hull_gather(work *w) {
     cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: CGAL's convex hull failed");
     work_fail(w, CELLIST_ERROR_INTERNAL);
   }
+  put_in_order(w->ids.items, triangle_count);
   for (size_t t = 0; t < triangle_count; t++) {
     const uint32_t *v = &w->ids.items[3 * t];
     add_face(w, v[0], v[1], v[2]);

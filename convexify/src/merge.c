@@ -26,12 +26,12 @@ static bool fits_at(work *w, uint32_t facet, uint32_t cell_a, uint32_t cell_b) {
 
 static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
   const uint32_t base = (uint32_t)w->mesh->tet_count;
-  if (w->pieces.items[cell_a - base].members.count < w->pieces.items[cell_b - base].members.count) {
+  if (w->pieces.items[cell_a - base].members.items.count < w->pieces.items[cell_b - base].members.items.count) {
     const uint32_t swap = cell_a;
     cell_a = cell_b;
     cell_b = swap;
   }
-  id_list *members = &w->pieces.items[cell_b - base].members;
+  id_list *members = &w->pieces.items[cell_b - base].members.items;
   size_t kept = 0;
   for (size_t i = 0; i < members->count; i++) {
     const uint32_t member = members->items[i];
@@ -49,7 +49,7 @@ static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
       f->cells[0] = f->cells[1] = CELLIST_NONE;
     } else {
       f->cells[member % 2] = cell_a;
-      list_push(w, &w->pieces.items[cell_a - base].members, member);
+      set_push(w, &w->pieces.items[cell_a - base].members, member);
     }
   }
   members->count = 0;
@@ -57,8 +57,21 @@ static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
   return true;
 }
 
+/* Members that left for another piece must not be there twice when that piece comes back. */
+static void drop_stale_members(work *w) {
+  for (size_t p = 0; p < w->pieces.count; p++) {
+    id_list *members = &w->pieces.items[p].members.items;
+    size_t kept = 0;
+    for (size_t i = 0; i < members->count; i++)
+      if (set_holds(w, (uint32_t)(w->mesh->tet_count + p), SET_MEMBERS, members->items[i]))
+        members->items[kept++] = members->items[i];
+    members->count = kept;
+  }
+}
+
 void pieces_merge(work *w) {
   const uint32_t base = (uint32_t)w->mesh->tet_count;
+  drop_stale_members(w);
   bool changed = true;
   while (changed) {
     changed = false;

@@ -108,24 +108,22 @@ static uint32_t search_in_turn(work *w) {
 
 static void give_to_piece(work *w, uint32_t member, uint32_t piece) {
   const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
-  w->facets.items[member / 2].cells[member % 2] = cell;
-  list_push(w, &w->pieces.items[piece].members, member);
+  uint32_t *owner = &w->facets.items[member / 2].cells[member % 2];
+  w->pieces.items[*owner - w->mesh->tet_count].members.live--;
+  *owner = cell;
+  set_push(w, &w->pieces.items[piece].members, member);
 }
 
-static void give_reflex_edges(work *w, const uint32_t *members, size_t count, uint32_t piece) {
+/* Finds out which pieces are reflex at the edges of these members. */
+static void give_reflex_edges(work *w, const uint32_t *members, size_t count) {
   w->epoch_edges++;
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
   for (size_t i = 0; i < count; i++)
     for (uint32_t u = w->facets.items[members[i] / 2].first_use; u != CELLIST_NONE;
          u = w->uses.items[u].next_in_facet) {
       work_edge *e = &w->edges.items[w->uses.items[u].edge];
-      if (!e->reflex || e->visited == w->epoch_edges) continue;
+      if (e->reflex_cell == CELLIST_NONE || e->visited == w->epoch_edges) continue;
       e->visited = w->epoch_edges;
-      const uint32_t reflex = sector_reflex_cell(w, w->uses.items[u].edge);
-      if (reflex == CELLIST_NONE)
-        e->reflex = false;
-      else if (reflex == cell)
-        list_push(w, &w->pieces.items[piece].reflex, w->uses.items[u].edge);
+      edge_own(w, w->uses.items[u].edge, sector_reflex_cell(w, w->uses.items[u].edge));
     }
 }
 
@@ -153,12 +151,12 @@ static void place_shell(work *w, uint32_t piece, uint32_t shell, uint32_t plane)
     if (candidates == 1) target = part->piece;
     if (candidates == 1 || part->piece == piece) continue;
     const work_piece *p = &w->pieces.items[part->piece];
-    if (surface_contains(w, p->members.items, p->members.count, shell)) target = part->piece;
+    if (surface_contains(w, p->members.items.items, p->members.items.count, shell)) target = part->piece;
   }
   list_push(w, &w->pieces.items[target].shells, shell);
   if (target == piece) return;
   for (size_t i = 0; i < members->count; i++) give_to_piece(w, members->items[i], target);
-  give_reflex_edges(w, members->items, members->count, target);
+  give_reflex_edges(w, members->items, members->count);
 }
 
 /* The inward shells of the piece that the caps did not join to the rest, as members, in w->hits; they leave the piece.
@@ -197,7 +195,7 @@ void pieces_part(work *w, uint32_t piece, uint32_t plane) {
               (search_component){
                   .parent = i, .pending = CELLIST_NONE, .done_first = CELLIST_NONE, .sign = i % 2 == 0 ? 1 : -1});
     push_pending(w, i, member);
-    list_push(w, &w->pieces.items[piece].members, member);
+    set_push(w, &w->pieces.items[piece].members, member);
   }
   const uint32_t keeper = search_in_turn(w);
   w->parts.count = 0;
@@ -208,9 +206,13 @@ void pieces_part(work *w, uint32_t piece, uint32_t plane) {
     if (c == keeper) continue;
     for (uint32_t n = w->components.items[c].done_first; n != CELLIST_NONE; n = w->nodes.items[n].next)
       give_to_piece(w, w->nodes.items[n].member, own);
-    const id_list *members = &w->pieces.items[own].members;
-    give_reflex_edges(w, members->items, members->count, own);
+    const id_list *members = &w->pieces.items[own].members.items;
+    give_reflex_edges(w, members->items, members->count);
   }
+  /* Where the piece that stays was reflex at a cap, too. */
+  w->sorted.count = 0;
+  for (size_t i = 0; i < w->cap_facets.count; i++) list_push(w, &w->sorted, 2 * w->cap_facets.items[i]);
+  give_reflex_edges(w, w->sorted.items, w->sorted.count);
   if (w->pieces.items[piece].shells.count == 0) return;
   take_loose_shells(w, piece);
   id_list loose = w->hits; /* surface_contains does not use it */

@@ -127,3 +127,11 @@ uint32_t sector_reflex_cell(work *w, uint32_t edge) {
   }
   return CELLIST_NONE;
 }
+
+void edge_own(work *w, uint32_t edge, uint32_t cell) {
+  work_edge *e = &w->edges.items[edge];
+  if (e->reflex_cell == cell) return;
+  if (e->reflex_cell != CELLIST_NONE) w->pieces.items[e->reflex_cell - w->mesh->tet_count].reflex.live--;
+  e->reflex_cell = cell;
+  if (cell != CELLIST_NONE) set_push(w, &w->pieces.items[cell - w->mesh->tet_count].reflex, edge);
+}

@@ -40,6 +40,7 @@ typedef struct work_plane {
   double normal[3], offset;
   exact_number exact[4];
   uint32_t ids[3]; /* vertices (all of them points), or CELLIST_NONE, axis, index of the offset */
+  uint32_t choice; /* the last choice in which it competed */
 } work_plane;
 
 /* A point of the input, or a meet: exact as x y z over w > 0, and rounded, relative to the work's origin. */
@@ -58,8 +59,8 @@ typedef struct work_edge {
   uint32_t line[2]; /* two vertices that are points, or two planes */
   uint32_t stamp;
   uint32_t visited;
+  uint32_t reflex_cell; /* the piece that is reflex here, as a cell, or CELLIST_NONE */
   bool line_is_points;
-  bool reflex; /* some piece may be reflex here: only edges of the input's boundary */
 } work_edge;
 
 typedef struct work_use {
@@ -75,10 +76,23 @@ typedef struct work_facet {
   uint32_t stamp[2];
 } work_facet;
 
+/* A tree of boxes over a run of a set's items. */
+typedef struct work_segment {
+  uint32_t count, boxes; /* items; where its nodes' boxes begin */
+} work_segment;
+
+/* See set.c. Items that now belong to another piece stay until they are met; live counts the others. */
+typedef struct work_set {
+  id_list items;
+  LIST(work_segment) segments;
+  double_list boxes;
+  size_t live;
+} work_set;
+
 typedef struct work_piece {
-  id_list members; /* 2 facet + side; stale entries (relabelled since) are dropped when met */
-  id_list reflex;  /* edges; stale entries likewise */
-  id_list shells;  /* inward shells not yet joined to the rest: a member of each */
+  work_set members; /* 2 facet + side */
+  work_set reflex;  /* edges */
+  id_list shells;   /* inward shells not yet joined to the rest: a member of each */
 } work_piece;
 
 /* One use of an edge by a facet that has the cell in question on the given side. */
@@ -173,8 +187,9 @@ typedef struct work {
   id_list input_reflex_start, input_reflex; /* per input vertex: other ends of reflex input edges */
 
   /* scratch of one cut */
-  uint32_t epoch, epoch_edges;
-  id_list touched, ids, split, on_plane, zeros;
+  uint32_t epoch, epoch_edges, choices;
+  id_list touched, ids, split, on_plane, zeros, near, set_order;
+  double_list set_boxes;
   LIST(work_event) events, upper, lower;
   LIST(cap_use) cap_uses;
   LIST(cap_loop) cap_loops;
@@ -225,6 +240,8 @@ int exact_cross(work *w, uint32_t plane_a, uint32_t plane_b, int k);
 int exact_same_direction(const work *w, uint32_t plane_a, uint32_t plane_b);
 /* Sign of the volume between the origin and these triangles: 3 vertices each, all points. */
 int exact_volume_sign(work *w, const uint32_t *triangles, size_t count);
+/* That volume, rounded, in the work's unit cubed: the same however a flat side is split into triangles. */
+double exact_volume(work *w, const uint32_t *triangles, size_t count);
 /* The turn a, b, q with the axis left out. */
 int exact_turn(work *w, int axis, uint32_t a, uint32_t b, uint32_t q);
 /* Seen along (1024, shear[0], shear[1]): sign of the turn a, b, q; sign of a's height minus q's; where the line meets.
@@ -275,6 +292,23 @@ work_event sector_mate(work *w, uint32_t use, int side);
 int sector_angle(work *w, uint32_t edge, const work_event *begin, const work_event *end);
 /* The piece that is reflex at the edge, as a cell, or CELLIST_NONE. */
 uint32_t sector_reflex_cell(work *w, uint32_t edge);
+
+/* Gives the edge to the piece (as a cell) that is reflex there now, if that has changed. */
+void edge_own(work *w, uint32_t edge, uint32_t cell);
+
+/* ---- set.c: what a plane comes near ---------------------------------------------------------------------------- */
+
+typedef enum set_kind { SET_MEMBERS, SET_REFLEX } set_kind;
+
+void set_push(work *w, work_set *set, uint32_t item);
+/* Whether the item still belongs to the piece with this cell. */
+bool set_holds(const work *w, uint32_t cell, set_kind kind, uint32_t item);
+/* Keeps set_near fast; to be called now and then. */
+void set_arrange(work *w, uint32_t piece, set_kind kind);
+/* out: all items with points within margin of the plane, and some more; some may have left the set. Bit 0 (2) of what
+ * is returned: there were items wholly below (above) that are not in out. */
+int set_near(work *w, const work_set *set, const double normal[3], double offset, double margin, id_list *out);
+void set_release(work *w, work_set *set);
 
 /* ---- cut.c, caps.c, search.c, locate.c ------------------------------------------------------------------------ */
 

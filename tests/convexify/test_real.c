@@ -78,26 +78,77 @@ TEST(generated_meshes)
   harness_context_destroy(context);
 }
 
-TEST(results_repeat_on_any_number_of_workers)
+/* The edges of these balls follow great circles but for rounding: planes through two of them resolve neither. */
+TEST(edges_that_are_nearly_in_a_plane_are_not_taken_for_resolved)
 {
-  cellist_complex *complex[2];
-  cellist_mesh *mesh[2];
-  cellist_context *context[2];
-  for (int i = 0; i < 2; i++) {
-    const cellist_generate_desc gears = {.size = 800};
-    const cellist_convexify_desc desc = {.seed = 7};
-    context[i] = harness_context(i == 0 ? 1 : 3);
-    assert_success(context[i], cellist_generate(context[i], "gears", &gears, &mesh[i]));
-    assert_success(context[i], cellist_convexify(context[i], mesh[i], &desc, &complex[i], NULL));
+  cellist_context *context = harness_context(1);
+  const cellist_generate_desc balls = {.size = 2500};
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_generate(context, "two-spheres", &balls, &mesh));
+  check_mesh(context, mesh, CELLIST_EXTERIOR_HULL, 3, 1000, 4);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
+/* One candidate makes many needless cells, and joining them again brings facets back to cells that they once left. */
+TEST(cells_part_and_join_again)
+{
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_generate(context, "torus", NULL, &mesh));
+  size_t merges = 0;
+  for (uint64_t seed = 1; seed <= 8; seed++) {
+    const cellist_convexify_desc desc = {.candidates = 1, .seed = seed};
+    cellist_complex *complex = NULL;
+    cellist_convexify_stats stats;
+    assert_success(context, cellist_convexify(context, mesh, &desc, &complex, &stats));
+    assert_true(stats.volume_error <= 1e-12);
+    merges += stats.merges;
+    cellist_complex_destroy(complex);
   }
-  const cellist_complex_arrays *a = cellist_complex_get_arrays(complex[0]), *b = cellist_complex_get_arrays(complex[1]);
+  assert_true(merges > 0);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
+static void assert_same(const cellist_complex *x, const cellist_complex *y) {
+  const cellist_complex_arrays *a = cellist_complex_get_arrays(x), *b = cellist_complex_get_arrays(y);
   assert_int_equal(a->facet_count, b->facet_count);
   assert_int_equal(a->vertex_count, b->vertex_count);
+  assert_int_equal(a->plane_count, b->plane_count);
+  assert_memory_equal(a->planes, b->planes, 3 * a->plane_count * sizeof *a->planes);
+  assert_memory_equal(a->facet_planes, b->facet_planes, a->facet_count * sizeof *a->facet_planes);
   assert_memory_equal(a->facet_cells, b->facet_cells, 2 * a->facet_count * sizeof *a->facet_cells);
+  assert_memory_equal(a->facet_vertices, b->facet_vertices,
+                      a->facet_starts[a->facet_count] * sizeof *a->facet_vertices);
   assert_memory_equal(a->vertices, b->vertices, 3 * a->vertex_count * sizeof *a->vertices);
-  for (int i = 0; i < 2; i++) {
-    cellist_complex_destroy(complex[i]);
-    cellist_mesh_destroy(mesh[i]);
-    harness_context_destroy(context[i]);
-  }
+}
+
+/* Balls with symmetries have flat sides of many corners, which a hull may split in any way. */
+TEST(results_repeat_on_any_number_of_workers)
+{
+  static const char *const names[] = {"gears", "two-spheres"};
+  for (int name = 0; name < 2; name++)
+    for (int exterior = 0; exterior < 4; exterior++) {
+      cellist_complex *complex[3];
+      cellist_mesh *mesh[3];
+      cellist_context *context[3];
+      cellist_convexify_stats stats[3];
+      for (int i = 0; i < 3; i++) {
+        const cellist_generate_desc generate = {.size = 800};
+        const cellist_convexify_desc desc = {.exterior = (cellist_exterior)exterior, .seed = 7};
+        context[i] = harness_context(i == 0 ? 1 : 3);
+        assert_success(context[i], cellist_generate(context[i], names[name], &generate, &mesh[i]));
+        assert_success(context[i], cellist_convexify(context[i], mesh[i], &desc, &complex[i], &stats[i]));
+      }
+      for (int i = 1; i < 3; i++) {
+        assert_same(complex[0], complex[i]);
+        assert_memory_equal(&stats[0].volume_error, &stats[i].volume_error, sizeof(double));
+      }
+      for (int i = 0; i < 3; i++) {
+        cellist_complex_destroy(complex[i]);
+        cellist_mesh_destroy(mesh[i]);
+        harness_context_destroy(context[i]);
+      }
+    }
 }
