@@ -19,6 +19,7 @@ static const struct {
     {"convexify", "fill what a mesh lacks of its convex hull", command_convexify},
 #endif
     {"render", "draw a mesh", command_render},
+    {"report", "draw by every renderer and setting: error against run time", command_report},
     {"compare", "measure how far an image is from a reference", command_compare},
 };
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0] };

@@ -9,6 +9,7 @@ int command_convexify(int argc, char **argv);
 int command_convert(int argc, char **argv);
 int command_render(int argc, char **argv);
 int command_compare(int argc, char **argv);
+int command_report(int argc, char **argv);
 int command_sort(int argc, char **argv);
 
 #endif

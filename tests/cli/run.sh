@@ -82,7 +82,7 @@ case_sort_writes_orders_and_figures() {
 case_help_and_version() {
   expect 0 --help && grep -q render out || fail "no overview"
   expect 0 --version && grep -Eq '^cellist [0-9]+\.[0-9]+\.[0-9]+$' out || fail "no version"
-  for command in info generate convert convexify sort render compare; do
+  for command in info generate convert convexify sort render compare report; do
     expect 0 $command --help
     grep -q '^examples:' out || fail "$command --help has no examples"
   done
@@ -176,6 +176,82 @@ case_a_desktop_s_context_draws_the_same() {
   expect 0 render sample:torus -o auto.exr --renderer faces --size 128x128
   expect 0 compare glfw.exr auto.exr --json
   json "j['max_abs'] <= 1e-5 and j['covered_pixels'] > 500"
+}
+
+# A report is read by people, spreadsheets and programs: all three files hold the same, and the page stands alone.
+case_report_is_whole() {
+  needs_opengl
+  command -v gnuplot >/dev/null || { echo "skipped: no gnuplot" && exit 77; }
+  printf 'name,mesh,seconds,rmse\n"other, 1",sample_grid,0.5,0.01\n' >peer.csv
+  expect 0 report sample:grid sample:l-shape -o "a report" --size 48x40 --frames 1 --peer peer.csv --json
+  json "j['meshes'] == 2 and j['drawn'] > 30"
+  python3 - "a report" <<'END' || fail "the report is not whole"
+import csv, json, sys, os, xml.dom.minidom
+from html.parser import HTMLParser
+folder = sys.argv[1]
+data = json.load(open(folder + '/report.json'))
+rows = list(csv.DictReader(open(folder + '/report.csv')))
+assert len(rows) == len(data['rows']) and len({(r['mesh'], r['setting']) for r in rows}) == len(rows)
+for a, b in zip(rows, data['rows']):
+    assert (a['mesh'], a['setting']) == (b['mesh'], b['setting'])
+    if b['drawn']:
+        assert abs(float(a['rmse']) - b['rmse']) <= 1e-6 * b['rmse'] and b['seconds']['frame'] > 0 and b['ssim'] <= 1.0000001
+        assert b['rmse'] < 0.3 and b['covered_pixels'] > 50
+    else:
+        assert b['message']
+exact = [r for r in data['rows'] if r['setting'] in ('soft', 'faces', 'cast fast', 'faces psi')]
+assert len(exact) == 8 and all(r['rmse'] < 1e-5 for r in exact)
+assert any(r['pareto'] for r in data['rows']) and data['machine']['cellist'] == data['version']
+class Page(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.open, self.pictures, self.charts = [], 0, 0
+    def handle_starttag(self, tag, attributes):
+        if tag == 'img':
+            self.pictures += dict(attributes)['src'].startswith('data:image/png;base64,iVBOR')
+        elif tag not in ('meta', 'br'):
+            self.open.append(tag)
+        self.charts += tag == 'svg'
+    def handle_endtag(self, tag):
+        if tag in self.open:
+            while self.open.pop() != tag: pass
+page = Page()
+page.feed(open(folder + '/report.html').read())
+drawn = sum(r['drawn'] for r in data['rows'])
+assert page.pictures == 2 * drawn and page.charts == 2 and page.open == [], (page.pictures, page.charts, page.open)
+for mesh in ('sample_grid', 'sample_l_shape'):
+    xml.dom.minidom.parse(folder + '/charts/' + mesh + '.svg')
+assert 'other, 1' in open(folder + '/charts/sample_grid.svg').read()
+assert not os.path.exists(folder + '/report.rows')
+END
+  printf 'mesh,name,seconds,rmse\nx,y,fast,1\n' >peer.csv
+  expect 1 report sample:grid -o b --size 32x32 --peer peer.csv && says "peer.csv: line 2: seconds 'fast'" && one_line
+  printf 'mesh,seconds\n' >peer.csv
+  expect 1 report sample:grid -o b --size 32x32 --peer peer.csv && says "no column 'name'" && one_line
+  expect 1 report nothing.vtu -o b --size 32x32 && says nothing.vtu && one_line
+  expect 1 report sample:grid -o no/such/b --size 32x32 && says no/such/b && one_line
+  expect 2 report sample:grid && says "-o DIR"
+}
+
+case_report_resumes() {
+  needs_opengl
+  command -v gnuplot >/dev/null || { echo "skipped: no gnuplot" && exit 77; }
+  "$cellist" report sample:gears -o a --size 64x64 >out 2>err </dev/null &
+  local first=$!
+  for _ in $(seq 600); do [ -e a/report.rows ] && [ "$(wc -l <a/report.rows)" -gt 5 ] && break || sleep 0.1; done
+  kill -9 $first
+  wait $first 2>/dev/null
+  [ -e a/report.rows ] && [ ! -e a/report.html ] || fail "the report was finished too early"
+  cp a/report.rows rows
+  expect 0 report sample:gears -o a --size 64x64
+  python3 - <<'END' || fail "rows that were there were measured again"
+import json
+before = [json.loads(line) for line in open('rows') if line.endswith('}\n')][1:]
+after = {r['setting']: r for r in json.load(open('a/report.json'))['rows']}
+assert len(before) >= 4 and len(after) > len(before)
+for row in before:
+    assert not row['drawn'] or row['seconds'] == after[row['setting']]['seconds'], row
+END
 }
 
 case_contexts_and_renderers_agree() {
