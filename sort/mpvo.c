@@ -16,48 +16,114 @@
  * worked on, the neighbours of the next one are on their way from memory. 32 is slower, 128 no faster. */
 enum { BATCH = 64 };
 
+/* In each byte's lowest bit: does the cell wait for something? */
+static inline uint64_t eight_pending(const uint8_t *state) {
+  uint64_t states = 0;
+  memcpy(&states, state, sizeof states);
+  return (states >> 4 | states >> 5 | states >> 6) & 0x0101010101010101u;
+}
+
 /* Cells with nothing behind them, eight states at a time. */
-static size_t find_farthest(const cellist_sorter *sorter, uint32_t *order) {
-  const uint8_t *state = sorter->state;
-  const size_t cell_count = sorter->cells.count;
+static size_t find_farthest(const sort_cells *cells, const uint8_t *state, uint32_t *queue) {
   size_t count = 0;
-  for (size_t i = 0; i < cell_count; i += 8) {
-    uint64_t pending = 0; /* bit 4 of each byte: something is behind that cell */
-    memcpy(&pending, &state[i], sizeof pending);
-    pending = (pending >> 4 | pending >> 5 | pending >> 6) & 0x0101010101010101u;
-    if (pending == 0x0101010101010101u) continue;
-    for (size_t j = i; j < i + 8 && j < cell_count; j++)
-      if ((state[j] & SORT_PENDING_MASK) == 0) order[count++] = (uint32_t)j;
+  for (size_t i = 0; i < cells->count; i += 8) {
+    if (eight_pending(&state[i]) == 0x0101010101010101u) continue;
+    for (size_t j = i; j < i + 8 && j < cells->count; j++)
+      if ((state[j] & SORT_PENDING_MASK) == 0) queue[count++] = (uint32_t)j;
   }
   return count;
 }
 
-size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
-  const uint32_t *neighbours = sorter->cells.neighbours;
-  uint8_t *state = sorter->state;
+/* Follows all arcs of queue[out] to queue[count - 1] and of what becomes ready; returns the new count. queue has room
+ * for one cell more than ever become ready. follows: NULL, or whose other arcs to follow. */
+static size_t advance(const sort_cells *cells, uint8_t *state, uint32_t *queue, size_t out, size_t count,
+                      cellist_sorter *follows) {
+  const uint32_t *neighbours = cells->neighbours;
   const sort_arc_kernel list_arcs = sort_has_avx2() ? sort_list_arcs_avx2 : sort_list_arcs_portable;
   uint32_t arcs[4 * BATCH + 4];
-  sort_follow_begin(sorter);
-  size_t count = find_farthest(sorter, order), out = 0, fetched = 0;
-  count = sort_follow_farthest(sorter, order, count);
+  size_t fetched = out;
   while (out < count) {
     const size_t size = count - out < BATCH ? count - out : BATCH;
     const size_t next_end = count - out < 2 * BATCH ? count : out + 2 * BATCH;
-    for (; fetched < next_end; fetched++) __builtin_prefetch(&neighbours[4 * (size_t)order[fetched]]);
+    for (; fetched < next_end; fetched++) __builtin_prefetch(&neighbours[4 * (size_t)queue[fetched]]);
     uint32_t states = 0;
-    const size_t arc_count = list_arcs(neighbours, state, &order[out], size, arcs, &states);
-    /* An arc's target is not out yet, so the queue has room for it. */
+    const size_t arc_count = list_arcs(neighbours, state, &queue[out], size, arcs, &states);
     for (size_t i = 0; i < arc_count; i++) {
       const uint32_t target = arcs[i];
       const uint8_t left = (uint8_t)(state[target] - SORT_PENDING);
       state[target] = left;
-      order[count] = target;
+      queue[count] = target;
       count += (left & SORT_PENDING_MASK) == 0;
     }
-    if (states & SORT_HAS_ARCS)
+    if (follows != NULL && (states & SORT_HAS_ARCS))
       for (size_t i = 0; i < size; i++)
-        if (state[order[out + i]] & SORT_HAS_ARCS) count = sort_follow(sorter, order[out + i], order, count);
+        if (state[queue[out + i]] & SORT_HAS_ARCS) count = sort_follow(follows, queue[out + i], queue, count);
     out += size;
   }
   return count;
+}
+
+/* Lets go of the near half's cells that came out at the nearer end, or of those that did not. */
+static size_t let_go(cellist_sorter *sorter, bool came_out, uint32_t *queue, size_t count) {
+  const sort_ends *ends = &sorter->ends;
+  for (size_t block = 0; block < ends->block_count; block++) {
+    if (!ends->is_near[block]) continue;
+    for (size_t i = SORT_BLOCK * block; i < SORT_BLOCK * (block + 1) && i < sorter->cells.count; i += 8) {
+      uint64_t wanted = eight_pending(&ends->mirrored[i]);
+      if (came_out) wanted ^= 0x0101010101010101u;
+      for (; wanted != 0; wanted &= wanted - 1) {
+        const size_t cell = i + (size_t)__builtin_ctzll(wanted) / 8;
+        if (cell >= sorter->cells.count) break;
+        sorter->state[cell] = (uint8_t)(sorter->state[cell] - SORT_PENDING);
+        queue[count] = (uint32_t)cell;
+        count += (sorter->state[cell] & SORT_PENDING_MASK) == 0;
+      }
+    }
+  }
+  return count;
+}
+
+struct job {
+  cellist_sorter *sorter;
+  uint32_t *order;
+  size_t counts[2]; /* out at the farther end, at the nearer end */
+};
+
+static void sort_end(void *user, size_t begin, size_t end, unsigned worker) {
+  (void)worker;
+  struct job *job = user;
+  cellist_sorter *sorter = job->sorter;
+  for (size_t nearer = begin; nearer < end; nearer++) {
+    uint8_t *state = nearer ? sorter->ends.mirrored : sorter->state;
+    uint32_t *queue = nearer ? sorter->ends.queue : job->order;
+    const size_t count = find_farthest(&sorter->cells, state, queue);
+    job->counts[nearer] = advance(&sorter->cells, state, queue, 0, count, NULL);
+  }
+}
+
+/* The near half's cells wait in sorter->state for one cell more than lie behind them, so that none comes out at the
+ * farther end; in the mirrored states the far half's cells wait for more cells than they have neighbours. */
+static size_t sort_from_both_ends(cellist_sorter *sorter, uint32_t *order) {
+  struct job job = {.sorter = sorter, .order = order};
+  cellist_parallel_for(sorter->context, 2, 1, sort_end, &job);
+  const size_t cell_count = sorter->cells.count, near = job.counts[1];
+  size_t out = job.counts[0];
+  size_t count = let_go(sorter, false, order, out);
+  count = advance(&sorter->cells, sorter->state, order, out, count, NULL);
+  if (count + near < cell_count) {
+    /* Cycles: the farther end goes on as far as it gets, and what came out at the nearer end was for nothing. */
+    out = count;
+    count = let_go(sorter, true, order, count);
+    return advance(&sorter->cells, sorter->state, order, out, count, NULL);
+  }
+  for (size_t i = 0; i < near; i++) order[cell_count - 1 - i] = sorter->ends.queue[i];
+  return cell_count;
+}
+
+size_t sort_topologically(cellist_sorter *sorter, uint32_t *order) {
+  if (sorter->uses_ends) return sort_from_both_ends(sorter, order);
+  sort_follow_begin(sorter);
+  size_t count = find_farthest(&sorter->cells, sorter->state, order);
+  count = sort_follow_farthest(sorter, order, count);
+  return advance(&sorter->cells, sorter->state, order, 0, count, sorter);
 }

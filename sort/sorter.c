@@ -93,6 +93,9 @@ static cellist_result prepare(cellist_sorter *sorter) {
   if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->cells, &sorter->planes);
   if (result != CELLIST_SUCCESS) return result;
   sorter->mesh.complex = NULL;
+  sorter->uses_ends = sorter->convex && sorter->cells.count >= SORT_ENDS_MINIMUM;
+  if (sorter->uses_ends) result = sort_ends_create(context, &sorter->cells, &sorter->ends);
+  if (result != CELLIST_SUCCESS) return result;
   sorter->state = cellist_allocate_zeroed(context, 4 * sorter->planes.group_count + 8, sizeof *sorter->state);
   return sorter->state != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
@@ -120,6 +123,7 @@ void cellist_sorter_destroy(cellist_sorter *sorter) {
   cellist_context *context = sorter->context;
   sort_gaps_release(context, &sorter->gaps);
   sort_planes_release(context, &sorter->planes);
+  sort_ends_release(context, &sorter->ends);
   cellist_deallocate(context, sorter->state);
   sort_complex_release(context, &sorter->complex);
   cellist_deallocate(context, sorter->queue);
@@ -155,8 +159,9 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
   const sort_eye eye = sort_eye_of(viewpoint);
   cellist_sort_stats found = {.exact = true, .imaginary_cell_count = sorter->complex.imaginary_count};
   sorter->group_count = 0;
-  found.exact_sign_count =
-      sort_planes_find_states(sorter->context, &sorter->cells, &sorter->planes, &eye, sorter->state);
+  if (sorter->uses_ends) sort_ends_choose(&sorter->ends, &eye);
+  found.exact_sign_count = sort_planes_find_states(sorter->context, &sorter->cells, &sorter->planes, &eye,
+                                                   sorter->state, sorter->uses_ends ? &sorter->ends : NULL);
   cellist_result result = CELLIST_SUCCESS;
   sorter->uses_gap_arcs = !sorter->convex && !sorter->has_complex;
   if (sorter->uses_gap_arcs) {

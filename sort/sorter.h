@@ -7,6 +7,7 @@
 
 #include "cells.h"
 #include "complex/complex.h"
+#include "ends.h"
 #include "gaps/gaps.h"
 #include "signs/signs.h"
 #include "view.h"
@@ -25,6 +26,8 @@ struct cellist_sorter {
   sort_complex complex;
   sort_gaps gaps;
   sort_planes planes;
+  bool uses_ends; /* the mesh is convex and large: sorted from both ends */
+  sort_ends ends;
   uint8_t *state; /* [cells.count] and some, so that eight can be read at once */
   uint32_t
       *queue; /* [cells.count] where imaginary cells stand among the tets; NULL without a complex: the order is it */

@@ -293,7 +293,7 @@ cellist_result peer_sort_bsp_xmpvo(cellist_peer *peer, const sort_eye *eye, uint
   const sort_scene scene = {.eye = *eye, .positions = own->boundary.positions, .around_eye = !eye->parallel};
   own->order = order;
   own->out = own->count = 0;
-  sort_planes_find_states(peer->context, &own->cells, &own->planes, eye, own->state);
+  sort_planes_find_states(peer->context, &own->cells, &own->planes, eye, own->state, NULL);
   begin_view(own, eye);
   for (uint32_t tet = 0; tet < tet_count; tet++)
     if ((own->state[tet] & PENDING_MASK) == 0) order[own->count++] = tet;

@@ -25,6 +25,9 @@ static const double ROUNDING = 0.51;
  * 0.01. */
 static const double FLATTEST = 1e-8;
 
+/* More behind a cell than it has neighbours. */
+enum { HELD = 0x70 };
+
 enum { CHUNK = 1024 }; /* groups a range: so many masks stand on the stack */
 
 struct job {
@@ -34,6 +37,7 @@ struct job {
   int16_t eye_numbers[4];
   int32_t doubt;
   uint8_t *states;
+  const sort_ends *ends; /* or NULL */
   atomic_size_t undecided_count;
 };
 
@@ -163,6 +167,9 @@ static void decide(const struct job *job, size_t cell, uint32_t k) {
   if (is_in_plane(job->eye, p[0], p[1], p[2])) return;
   const int side = sort_eye_side(job->eye, p[0], p[1], p[2]);
   job->states[cell] = (uint8_t)(job->states[cell] + (side > 0 ? 1 << k : side < 0 ? 16 : 0));
+  if (job->ends == NULL || !job->ends->is_near[cell / SORT_BLOCK]) return;
+  uint8_t *mirrored = &job->ends->mirrored[cell];
+  *mirrored = (uint8_t)(*mirrored + (side < 0 ? 1 << k : side > 0 ? 16 : 0));
 }
 
 /* Faces in whose planes a parallel view's eye lies, since each coordinate is 0 in its direction or in their normals. */
@@ -183,8 +190,16 @@ static void find_range(void *user, size_t begin, size_t end, unsigned worker) {
   struct job *job = user;
   const sort_planes *planes = job->planes;
   uint16_t undecided[CHUNK];
-  planes->kernel(&planes->planes[64 * begin], &planes->inner[begin], job->eye_numbers, job->doubt, end - begin,
-                 &job->states[4 * begin], undecided);
+  const size_t step = job->ends != NULL ? SORT_BLOCK / 4 : CHUNK;
+  for (size_t i = begin; i < end; i += step) {
+    const size_t count = end - i < step ? end - i : step, block = 4 * i / SORT_BLOCK;
+    const bool is_near = job->ends != NULL && job->ends->is_near[block];
+    uint8_t *states = &job->states[4 * i], *mirrored = job->ends != NULL ? &job->ends->mirrored[4 * i] : NULL;
+    planes->kernel(&planes->planes[64 * i], &planes->inner[i], job->eye_numbers, job->doubt, count, states,
+                   is_near ? mirrored : NULL, &undecided[i - begin]);
+    for (size_t cell = 0; cell < 4 * count && is_near; cell++) states[cell] = (uint8_t)(states[cell] + 16);
+    if (mirrored != NULL && !is_near) memset(mirrored, HELD, 4 * count);
+  }
   size_t count = 0;
   if (job->eye->parallel) drop_faces_along_the_view(job, begin, end, undecided);
   for (size_t i = 0; i < end - begin; i++) {
@@ -198,8 +213,8 @@ static void find_range(void *user, size_t begin, size_t end, unsigned worker) {
 }
 
 size_t sort_planes_find_states(cellist_context *context, const sort_cells *cells, const sort_planes *planes,
-                               const sort_eye *eye, uint8_t *states) {
-  struct job job = {.cells = cells, .planes = (sort_planes *)planes, .eye = eye, .states = states};
+                               const sort_eye *eye, uint8_t *states, const sort_ends *ends) {
+  struct job job = {.cells = cells, .planes = (sort_planes *)planes, .eye = eye, .states = states, .ends = ends};
   double numbers[4] = {eye->at[0], eye->at[1], eye->at[2], 0};
   for (int k = 0; k < 3 && !eye->parallel; k++) numbers[k] = (eye->at[k] - planes->centre[k]) / planes->radius;
   if (!eye->parallel) numbers[3] = 1;

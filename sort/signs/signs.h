@@ -4,6 +4,7 @@
 #define CELLIST_SORT_SIGNS_H
 
 #include "../cells.h"
+#include "../ends.h"
 #include "kernel.h"
 
 /* All planes of a mesh in 16 bits a coordinate, in a frame of their own (centre at 0, the farthest point at 1). */
@@ -22,8 +23,10 @@ cellist_result sort_planes_create(cellist_context *context, const sort_cells *ce
 void sort_planes_release(cellist_context *context, sort_planes *planes);
 
 /* Writes all cells' states (bit k: the neighbour across face k lies in front; 16 for each neighbour behind).
- * states: [4 group_count], of which cells->count matter. Returns how many faces 16 bits could not decide. */
+ * states: [4 group_count], of which cells->count matter. Returns how many faces 16 bits could not decide.
+ * ends: NULL, or for a sort from both ends: then states of its near half hold 16 more, and its mirrored states say of
+ * that half what lies behind (bits) and how much in front (16 each); of the other half that much more than can be. */
 size_t sort_planes_find_states(cellist_context *context, const sort_cells *cells, const sort_planes *planes,
-                               const sort_eye *eye, uint8_t *states);
+                               const sort_eye *eye, uint8_t *states, const sort_ends *ends);
 
 #endif

@@ -7,9 +7,21 @@
 
 bool sort_has_avx2(void) { return __builtin_cpu_supports("avx2"); }
 
+/* Sixteen lanes in the order below become four states. */
+__attribute__((target("avx2"))) static inline void store_states(__m256i outside, __m256i inside, __m256i faces,
+                                                                uint8_t *states) {
+  const __m256i sixteen = _mm256_set1_epi16(16), ones = _mm256_set1_epi16(1);
+  const __m256i parts = _mm256_or_si256(_mm256_and_si256(outside, faces), _mm256_and_si256(inside, sixteen));
+  const __m256i pairs = _mm256_madd_epi16(parts, ones); /* faces 0 + 1, and 2 + 3, of each tet */
+  __m128i sums = _mm_add_epi32(_mm256_castsi256_si128(pairs), _mm256_extracti128_si256(pairs, 1));
+  sums = _mm_packs_epi32(sums, sums);
+  sums = _mm_packus_epi16(sums, sums);
+  _mm_storeu_si32(states, sums);
+}
+
 __attribute__((target("avx2"))) void sort_signs_avx2(const int16_t *planes, const uint16_t *inner, const int16_t eye[4],
                                                      int32_t doubt, size_t group_count, uint8_t *states,
-                                                     uint16_t *undecided) {
+                                                     uint8_t *mirrored, uint16_t *undecided) {
   const __m256i at = _mm256_setr_epi16(eye[0], eye[1], eye[2], eye[3], eye[0], eye[1], eye[2], eye[3], eye[0], eye[1],
                                        eye[2], eye[3], eye[0], eye[1], eye[2], eye[3]);
   const __m256i above = _mm256_set1_epi32(doubt), below = _mm256_set1_epi32(-doubt);
@@ -17,7 +29,6 @@ __attribute__((target("avx2"))) void sort_signs_avx2(const int16_t *planes, cons
   const __m256i bits = _mm256_setr_epi16(1 << 0, 1 << 1, 1 << 4, 1 << 5, 1 << 8, 1 << 9, 1 << 12, 1 << 13, 1 << 2,
                                          1 << 3, 1 << 6, 1 << 7, 1 << 10, 1 << 11, 1 << 14, (short)(1 << 15));
   const __m256i faces = _mm256_setr_epi16(1, 2, 1, 2, 1, 2, 1, 2, 4, 8, 4, 8, 4, 8, 4, 8);
-  const __m256i sixteen = _mm256_set1_epi16(16), ones = _mm256_set1_epi16(1);
   for (size_t group = 0; group < group_count; group++) {
     const __m256i *four = (const __m256i *)&planes[64 * group];
     const __m256i p0 = _mm256_madd_epi16(_mm256_loadu_si256(&four[0]), at);
@@ -31,12 +42,8 @@ __attribute__((target("avx2"))) void sort_signs_avx2(const int16_t *planes, cons
     outside = _mm256_and_si256(outside, counts);
     inside = _mm256_and_si256(inside, counts);
     const __m256i doubtful = _mm256_andnot_si256(_mm256_or_si256(outside, inside), counts);
-    const __m256i parts = _mm256_or_si256(_mm256_and_si256(outside, faces), _mm256_and_si256(inside, sixteen));
-    const __m256i pairs = _mm256_madd_epi16(parts, ones); /* faces 0 + 1, and 2 + 3, of each tet */
-    __m128i sums = _mm_add_epi32(_mm256_castsi256_si128(pairs), _mm256_extracti128_si256(pairs, 1));
-    sums = _mm_packs_epi32(sums, sums);
-    sums = _mm_packus_epi16(sums, sums);
-    _mm_storeu_si32(&states[4 * group], sums);
+    store_states(outside, inside, faces, &states[4 * group]);
+    if (mirrored != NULL) store_states(inside, outside, faces, &mirrored[4 * group]);
     undecided[group] = 0;
     if (_mm256_testz_si256(doubtful, doubtful)) continue;
     const __m256i left = _mm256_and_si256(doubtful, bits);
@@ -53,8 +60,8 @@ __attribute__((target("avx2"))) void sort_signs_avx2(const int16_t *planes, cons
 bool sort_has_avx2(void) { return false; }
 
 void sort_signs_avx2(const int16_t *planes, const uint16_t *inner, const int16_t eye[4], int32_t doubt,
-                     size_t group_count, uint8_t *states, uint16_t *undecided) {
-  sort_signs_portable(planes, inner, eye, doubt, group_count, states, undecided);
+                     size_t group_count, uint8_t *states, uint8_t *mirrored, uint16_t *undecided) {
+  sort_signs_portable(planes, inner, eye, doubt, group_count, states, mirrored, undecided);
 }
 
 #endif

@@ -12,7 +12,7 @@ TEST(kernels_agree_bit_by_bit)
   random_state random = {11};
   int16_t planes[64 * GROUPS];
   uint16_t inner[GROUPS], undecided[2][GROUPS];
-  uint8_t states[2][4 * GROUPS];
+  uint8_t states[2][4 * GROUPS], mirrored[2][4 * GROUPS];
   for (int round = 0; round < 40; round++) {
     /* Lengths up to 2^14.9, as the sorter's; small ones too, so that many are undecided. */
     const double reach = round % 4 == 0 ? 16000 : round % 4 == 1 ? 300 : round % 4 == 2 ? 3 : 1000;
@@ -21,9 +21,10 @@ TEST(kernels_agree_bit_by_bit)
     for (int i = 0; i < 64 * GROUPS; i++) planes[i] = (int16_t)(reach * oracle_random(&random));
     for (int i = 0; i < GROUPS; i++) inner[i] = (uint16_t)random_bits(&random);
     const int32_t doubt = round % 2 == 0 ? 60000 : 3;
-    sort_signs_portable(planes, inner, eye, doubt, GROUPS, states[0], undecided[0]);
-    sort_signs_avx2(planes, inner, eye, doubt, GROUPS, states[1], undecided[1]);
+    sort_signs_portable(planes, inner, eye, doubt, GROUPS, states[0], mirrored[0], undecided[0]);
+    sort_signs_avx2(planes, inner, eye, doubt, GROUPS, states[1], mirrored[1], undecided[1]);
     assert_memory_equal(states[0], states[1], sizeof states[0]);
+    assert_memory_equal(mirrored[0], mirrored[1], sizeof mirrored[0]);
     assert_memory_equal(undecided[0], undecided[1], sizeof undecided[0]);
   }
 }
@@ -78,7 +79,7 @@ static void check_states(cellist_context *context, uint64_t seed, double scale, 
     const sort_eye eye = sort_eye_of(&view);
     for (int portable = 0; portable < 2; portable++) {
       if (portable) planes.kernel = sort_signs_portable;
-      sort_planes_find_states(context, &cells, &planes, &eye, states);
+      sort_planes_find_states(context, &cells, &planes, &eye, states, NULL);
       for (size_t tet = 0; tet < desc.tet_count; tet++) {
         unsigned state = 0;
         for (size_t k = 0; k < 4; k++) {
