@@ -298,7 +298,8 @@ static inline void add_cells(const fast_scene *scene, struct group *group, __m25
     }
   }
   group->cell_count = _mm256_sub_epi32(group->cell_count, counted);
-  lanes = _mm256_and_ps(lanes, _mm256_cmp_ps(next_z, z, _CMP_GT_OQ));
+  const __m256 is_deep = _mm256_cmp_ps(next_z, z, _CMP_GT_OQ), flat = _mm256_andnot_ps(is_deep, lanes);
+  lanes = _mm256_and_ps(lanes, is_deep);
   if (scene->clips || scene->has_nan || scene->cell_scalars != NULL) {
     lanes = _mm256_and_ps(lanes, _mm256_cmp_ps(s, next_s, _CMP_ORD_Q));
     s = _mm256_and_ps(s, lanes);
@@ -308,6 +309,8 @@ static inline void add_cells(const fast_scene *scene, struct group *group, __m25
       fast_seek_intervals8(&scene->transfer, s, _mm256_and_ps(outside, lanes), in);
   }
   const __m256 length = _mm256_mul_ps(_mm256_sub_ps(next_z, z), group->stretch);
+  /* A cell without depth adds nothing, but the next one begins at its far scalar, whose interval must be at hand. */
+  if (fast_any(flat)) fast_seek_intervals8(&scene->transfer, next_s, flat, in);
   if (!scene->wants_depth) {
     fast_add_segment8(&scene->transfer, in, s, next_s, length, lanes, &group->light, &group->piece_count, NULL);
     return;
