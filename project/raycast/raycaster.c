@@ -35,6 +35,7 @@ void cellist_raycaster_destroy(cellist_raycaster *caster) {
   fast_caster_destroy(caster->fast);
   hierarchy_release(caster->context, &caster->hierarchy);
   hierarchy_release(caster->context, &caster->surface_hierarchy);
+  cellist_deallocate(caster->context, caster->shifted);
   cellist_deallocate(caster->context, caster->slopes);
   cellist_deallocate(caster->context, caster->point_gradients);
   cellist_deallocate(caster->context, caster->cell_gradients);

@@ -18,6 +18,8 @@ struct cellist_raycaster {
   bool has_surface_hierarchy;
   face_hierarchy surface_hierarchy; /* over the triangles of the surface with this checksum */
   uint64_t surface_checksum;
+  double shift;             /* see reference_shift.h */
+  double *shifted;          /* the scalar's values less the shift; NULL: it is 0 */
   float *slopes;            /* [tets] see slopes.h */
   double *point_gradients;  /* [3 points] */
   double *cell_gradients;   /* [3 tets] */

@@ -10,6 +10,7 @@
 #include "reference_behind.h"
 #include "reference_limits.h"
 #include "reference_shade.h"
+#include "reference_shift.h"
 #include "reference_walk.h"
 #include "slopes.h"
 
@@ -112,6 +113,11 @@ static cellist_result prepare(cellist_raycaster *caster, const cellist_optics *o
     if (result != CELLIST_SUCCESS) return result;
     caster->has_hierarchy = true;
   }
+  if (caster->shifted == NULL && shift_of(caster->scalar) != 0) {
+    caster->shifted = shift_values(context, caster->scalar, shift_of(caster->scalar));
+    if (caster->shifted == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    caster->shift = shift_of(caster->scalar);
+  }
   if (caster->slopes == NULL && caster->scalar->association == CELLIST_ON_POINTS) {
     caster->slopes = cellist_allocate(context, mesh->tet_count, sizeof *caster->slopes);
     if (caster->slopes == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
@@ -147,6 +153,8 @@ static cellist_result draw_scene(cellist_raycaster *caster, const cellist_frame 
   cellist_context *context = caster->context;
   const cellist_light *light = &scene->optics.light;
   const unsigned worker_count = cellist_context_worker_count(context);
+  cellist_scalar scalar = *caster->scalar;
+  if (caster->shifted != NULL) scalar.values = caster->shifted;
   struct job job = {.caster = caster,
                     .frame = frame,
                     .scene = scene,
@@ -160,7 +168,7 @@ static cellist_result draw_scene(cellist_raycaster *caster, const cellist_frame 
     ray_walker *walker = &job.hands[i].walker;
     walker->context = context;
     walker->mesh = cellist_mesh_get_arrays(caster->mesh);
-    walker->scalar = caster->scalar;
+    walker->scalar = &scalar;
     walker->hierarchy = &caster->hierarchy;
     walker->slopes = caster->slopes;
     if (light->enabled && light->cell_gradients) walker->cell_gradients = caster->cell_gradients;
@@ -183,13 +191,20 @@ static cellist_result render(cellist_raycaster *caster, const cellist_frame *fra
                              const uint32_t *pixels, size_t pixel_count, cellist_raycast_stats *stats) {
   cellist_result result = prepare(caster, &desc->optics);
   if (result != CELLIST_SUCCESS) return result;
+  cellist_transfer function = *transfer;
+  cellist_optics model = desc->optics;
+  if (caster->shifted != NULL) {
+    result = shift_optics(caster->context, caster->shift, &function, &model);
+    if (result != CELLIST_SUCCESS) return result;
+  }
   shade_scene scene;
   behind_scene behind;
-  result = shade_begin(caster->context, &desc->optics, transfer, frame, &scene);
+  result = shade_begin(caster->context, &model, &function, frame, &scene);
   if (result == CELLIST_SUCCESS) result = behind_begin(caster, desc->surface, &scene, frame, &behind);
   if (result == CELLIST_SUCCESS)
     result = draw_scene(caster, frame, &scene, &behind, output, pixels, pixel_count, stats);
   shade_end(caster->context, &scene);
+  if (caster->shifted != NULL) shift_release(caster->context, &function, &model);
   return result;
 }
 

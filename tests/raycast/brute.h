@@ -93,10 +93,11 @@ static inline void brute_clip(brute_force *brute, uint32_t tet, const double ori
   for (int end = 0; end < 2; end++)
     for (int c = 0; c < 4; c++) {
       const real weight = base[c] + slope[c] * cell.t[end];
-      cell.scalar[end] += weight * value[c];
+      cell.scalar[end] += weight * (value[c] - value[0]); /* relative: weights add up to 1 only nearly */
       for (size_t k = 0; k < 3 && brute->gradients != NULL; k++)
         cell.gradient[end][k] += weight * brute->gradients[3 * (size_t)m->tets[4 * (size_t)tet + (size_t)c] + k];
     }
+  for (int end = 0; end < 2; end++) cell.scalar[end] += value[0];
   if (brute->scalar->association == CELLIST_ON_CELLS) cell.scalar[0] = cell.scalar[1] = value[0];
   brute->cells[brute->cell_count++] = cell;
 }
