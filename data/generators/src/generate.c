@@ -40,7 +40,7 @@ static const struct generator GENERATORS[] = {
     {"slivers", "layers that grow from 2^-15 to a half in height: needles, for precision (warnings only)",
      generate_slivers, 6144, 0, 0, 0},
     {"cyclic", "wheels of tets (parts) that overlap each other in a circle: orders that do not exist", generate_cyclic,
-     3, 3, 3, 64},
+     3, 3, 3, 1000},
     {"flaws", "each flaw that validation names, a few cells for each (size is ignored)", generate_flaws, 24, 0, 0, 0},
 };
 enum { GENERATOR_COUNT = sizeof GENERATORS / sizeof GENERATORS[0] };
