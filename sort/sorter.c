@@ -133,6 +133,8 @@ void cellist_sorter_destroy(cellist_sorter *sorter) {
   cellist_deallocate(context, sorter);
 }
 
+bool cellist_sorter_is_convex(const cellist_sorter *sorter) { return sorter->convex; }
+
 /* The queue's tets, without the imaginary cells among them. */
 static size_t take_tets(const cellist_sorter *sorter, size_t queued, uint32_t *order) {
   const uint32_t *queue = sorter->queue;
@@ -157,8 +159,11 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
   if (viewpoint->parallel && at[0] == 0 && at[1] == 0 && at[2] == 0)
     return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "a parallel view without a direction");
   const sort_eye eye = sort_eye_of(viewpoint);
-  cellist_sort_stats found = {.exact = true, .imaginary_cell_count = sorter->complex.imaginary_count};
+  cellist_sort_stats found = {.exact = true,
+                              .imaginary_cell_count = sorter->complex.imaginary_count,
+                              .link_count = sorter->complex.links.facet_count};
   sorter->group_count = 0;
+  sorter->is_current = false;
   if (sorter->uses_ends) sort_ends_choose(&sorter->ends, &eye);
   found.exact_sign_count = sort_planes_find_states(sorter->context, &sorter->cells, &sorter->planes, &eye,
                                                    sorter->state, sorter->uses_ends ? &sorter->ends : NULL);
@@ -178,6 +183,8 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
     sorter->group_count = 0;
     return result;
   }
+  sorter->is_current = true;
+  sorter->viewpoint = *viewpoint;
   found.group_count = sorter->group_count;
   for (size_t i = 0; i < sorter->group_count; i++) {
     const size_t count = sorter->groups[i].count;
@@ -187,6 +194,14 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
   if (stats != NULL) *stats = found;
   return CELLIST_SUCCESS;
 }
+
+bool cellist_sorter_is_current(const cellist_sorter *sorter, const cellist_viewpoint *viewpoint) {
+  const cellist_viewpoint *last = &sorter->viewpoint;
+  return sorter->is_current && last->parallel == viewpoint->parallel && last->position[0] == viewpoint->position[0] &&
+         last->position[1] == viewpoint->position[1] && last->position[2] == viewpoint->position[2];
+}
+
+void cellist_sorter_forget(cellist_sorter *sorter) { sorter->is_current = false; }
 
 void cellist_sorter_groups(const cellist_sorter *sorter, const cellist_group **groups, size_t *count) {
   *groups = sorter->groups;

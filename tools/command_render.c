@@ -8,6 +8,7 @@
 #include "command.h"
 #include "mesh_options.h"
 #include "optics_options.h"
+#include "order_options.h"
 #include "render_report.h"
 #include "terminal.h"
 #include "view_options.h"
@@ -76,6 +77,7 @@ static cellist_result draw_all(cellist_context *context, const struct render_opt
     if (result != CELLIST_SUCCESS) return result;
     const cellist_view turned = options->turntable > 0 ? view_turned(view, (double)i / count) : *view;
     cellist_image *image = NULL;
+    cellist_pipeline_forget_order(pipeline); /* each frame's time is to be a whole one */
     result = cellist_pipeline_draw(pipeline, &turned, options->size[0], options->size[1], &image, stats);
     if (result == CELLIST_SUCCESS && (options->turntable > 0 || i + 1 == count))
       result = write_pictures(context, options, image, i);
@@ -130,8 +132,11 @@ int command_render(int argc, char **argv) {
   view_options camera;
   optics_options look;
   mesh_options input;
+  order_options sorting;
+  option_spec order_table[ORDER_OPTION_COUNT];
   option_spec view_table[VIEW_OPTION_COUNT], optics_table[OPTICS_OPTION_COUNT], mesh_table[MESH_OPTION_COUNT];
   mesh_options_init(&input, mesh_table);
+  order_options_init(&sorting, order_table);
   view_options_init(&camera, view_table);
   optics_options_init(&look, optics_table);
   const option_spec table[] = {
@@ -170,7 +175,7 @@ int command_render(int argc, char **argv) {
                                1,
                                1,
                                examples,
-                               {table, view_table, optics_table, mesh_table}};
+                               {table, view_table, optics_table, order_table, mesh_table}};
   size_t positional = 0;
   const parse_result parsed = options_parse(&usage, argc, argv, &positional);
   if (parsed != PARSE_OK) return parse_exit(parsed);
@@ -179,6 +184,7 @@ int command_render(int argc, char **argv) {
   cellist_isosurface isos[LIST_CAPACITY];
   if (wrong == NULL) wrong = optics_options_resolve(&look, isos, &desc.optics);
   if (wrong == NULL) wrong = mesh_options_resolve(&input, &desc.read);
+  if (wrong == NULL) wrong = order_options_resolve(&sorting, &desc.order);
   cellist_view view;
   const double unit_bounds[6] = {0, 0, 0, 1, 1, 1};
   if (wrong == NULL) wrong = view_options_resolve(&camera, unit_bounds, &view);

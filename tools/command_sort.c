@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * cellist sort: a mesh's cells in visibility order, how long that takes, whether it is right, and how peers fare. */
+#include <cellist/order.h>
 #include <cellist/pipeline.h>
 #include <cellist/sort.h>
 #include <cellist/sort_peers.h>
@@ -11,6 +12,7 @@
 
 #include "command.h"
 #include "mesh_options.h"
+#include "order_options.h"
 #include "terminal.h"
 #include "view_options.h"
 
@@ -31,7 +33,8 @@ struct score {
 
 struct totals {
   bool exact;
-  size_t groups, largest_group, cells_in_groups, unsorted, exact_signs, gap_candidates, gap_arcs;
+  size_t left_cells, component_cells, groups, largest_group, cells_in_groups, unsorted, exact_signs, gap_candidates,
+      gap_arcs;
 };
 
 /* Everything that the run holds. */
@@ -40,6 +43,9 @@ struct run {
   cellist_context *context;
   const cellist_mesh_arrays *arrays;
   cellist_sorter_desc desc;
+  const cellist_mesh *mesh;
+  cellist_order_desc order_desc;
+  cellist_order *made; /* the sorter and its exterior */
   cellist_sorter *sorter;
   cellist_verifier *verifier;
   cellist_peer *peers[LIST_CAPACITY];
@@ -106,6 +112,8 @@ static cellist_result sort_view(struct run *run, const cellist_viewpoint *viewpo
   if (stats.largest_group > totals->largest_group) totals->largest_group = stats.largest_group;
   totals->unsorted += count_unsorted(run);
   totals->exact_signs += stats.exact_sign_count;
+  totals->left_cells += stats.left_cell_count;
+  totals->component_cells += stats.component_cell_count;
   totals->gap_candidates += stats.gap_candidate_count;
   totals->gap_arcs += stats.gap_arc_count;
   const cellist_group *groups = NULL;
@@ -179,7 +187,8 @@ static cellist_result prepare(struct run *run) {
   run->order = cellist_allocate(run->context, a->tet_count, sizeof *run->order);
   run->seen = cellist_allocate(run->context, a->tet_count, 1);
   if (run->order == NULL || run->seen == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
-  cellist_result result = cellist_sorter_create(run->context, &run->desc, &run->sorter);
+  cellist_result result = cellist_order_create(run->context, run->mesh, &run->order_desc, &run->made);
+  if (result == CELLIST_SUCCESS) run->sorter = cellist_order_sorter(run->made);
   if (result == CELLIST_SUCCESS && options->rays > 0)
     result = cellist_verifier_create(run->context, &run->desc, &run->verifier);
   for (size_t p = 0; p <= options->peers.count && result == CELLIST_SUCCESS; p++) {
@@ -197,7 +206,7 @@ static void release(struct run *run) {
     if (p > 0) cellist_peer_destroy(run->peers[p - 1]);
   }
   cellist_verifier_destroy(run->verifier);
-  cellist_sorter_destroy(run->sorter);
+  cellist_order_destroy(run->made);
   cellist_deallocate(run->context, run->seen);
   cellist_deallocate(run->context, run->order);
 }
@@ -208,7 +217,12 @@ static int report_json(struct run *run, size_t cell_count) {
   json_t *object = json_object();
   json_object_set_new(object, "cells", json_integer((json_int_t)cell_count));
   json_object_set_new(object, "tets", json_integer((json_int_t)run->desc.tet_count));
-  json_object_set_new(object, "imaginary_cells", json_integer(0));
+  const cellist_order_facts *facts = cellist_order_get_facts(run->made);
+  json_object_set_new(object, "imaginary_cells", json_integer((json_int_t)facts->imaginary_cells));
+  json_object_set_new(object, "exterior", json_string(facts->exterior));
+  json_object_set_new(object, "exterior_reason", json_string(facts->reason));
+  json_object_set_new(object, "exterior_seconds", json_real(facts->seconds));
+  json_object_set_new(object, "cached", json_boolean(facts->cached));
   json_object_set_new(object, "order", json_string(totals->exact ? "exact" : "approximate"));
   json_object_set_new(object, "views", json_integer(run->options->views));
   json_object_set_new(object, "seconds_median", json_real(seconds));
@@ -219,6 +233,8 @@ static int report_json(struct run *run, size_t cell_count) {
   json_object_set_new(object, "cells_in_groups", json_real((double)totals->cells_in_groups / views));
   json_object_set_new(object, "unsorted", json_integer((json_int_t)totals->unsorted));
   json_object_set_new(object, "exact_signs", json_real((double)totals->exact_signs / views));
+  json_object_set_new(object, "left_cells", json_real((double)totals->left_cells / views));
+  json_object_set_new(object, "component_cells", json_real((double)totals->component_cells / views));
   json_object_set_new(object, "gap_candidates", json_real((double)totals->gap_candidates / views));
   json_object_set_new(object, "gap_arcs", json_real((double)totals->gap_arcs / views));
   json_object_set_new(object, "rays", json_integer((json_int_t)run->scores[0].rays));
@@ -244,6 +260,9 @@ static int report_text(struct run *run, const char *mesh_name) {
   const struct totals *totals = &run->totals;
   fprintf(to, "%s: %zu tets, %u view%s, order: %s\n", mesh_name, run->desc.tet_count, run->options->views,
           run->options->views == 1 ? "" : "s", totals->exact ? "exact" : "approximate");
+  const cellist_order_facts *facts = cellist_order_get_facts(run->made);
+  fprintf(to, "exterior: %s, %zu imaginary cells, %.3f s%s (%s)\n", facts->exterior, facts->imaginary_cells,
+          facts->seconds, facts->cached ? ", read from the cache" : "", facts->reason);
   fprintf(to, "a view: %.1f groups with %.1f cells (largest: %zu), %.1f gap arcs of %.1f pairs, %.1f exact signs\n",
           (double)totals->groups / views, (double)totals->cells_in_groups / views, totals->largest_group,
           (double)totals->gap_arcs / views, (double)totals->gap_candidates / views,
@@ -299,8 +318,11 @@ int command_sort(int argc, char **argv) {
   struct sort_options options = {.views = 1, .repeat = 1};
   view_options camera;
   mesh_options input;
-  option_spec view_table[VIEW_OPTION_COUNT], mesh_table[MESH_OPTION_COUNT];
+  order_options sorting;
+  cellist_order_desc order_desc;
+  option_spec view_table[VIEW_OPTION_COUNT], mesh_table[MESH_OPTION_COUNT], order_table[ORDER_OPTION_COUNT];
   mesh_options_init(&input, mesh_table);
+  order_options_init(&sorting, order_table);
   view_options_init(&camera, view_table);
   const option_spec table[] = {
       {"views", "N", "N well-spread directions instead of one view", OPTION_COUNT, &options.views},
@@ -323,7 +345,7 @@ int command_sort(int argc, char **argv) {
                                1,
                                1,
                                examples,
-                               {table, view_table, mesh_table}};
+                               {table, view_table, order_table, mesh_table}};
   size_t positional = 0;
   const parse_result parsed = options_parse(&usage, argc, argv, &positional);
   if (parsed != PARSE_OK) return parse_exit(parsed);
@@ -332,16 +354,18 @@ int command_sort(int argc, char **argv) {
   const double unit_bounds[6] = {0, 0, 0, 1, 1, 1};
   const char *wrong = check_options(&options);
   if (wrong == NULL) wrong = mesh_options_resolve(&input, &read);
+  if (wrong == NULL) wrong = order_options_resolve(&sorting, &order_desc);
   if (wrong == NULL) wrong = view_options_resolve(&camera, unit_bounds, &view);
   if (wrong != NULL) return wrong_usage("sort", "%s", wrong);
 
   cellist_context *context = terminal_context(options.threads);
   if (context == NULL) return 1;
   cellist_mesh *mesh = NULL;
-  struct run run = {.options = &options, .context = context};
+  struct run run = {.options = &options, .context = context, .order_desc = order_desc};
   cellist_result result = cellist_pipeline_load(context, argv[1], &read, &mesh);
   if (result == CELLIST_SUCCESS) {
     run.arrays = cellist_mesh_get_arrays(mesh);
+    run.mesh = mesh;
     result = prepare(&run);
   }
   if (result == CELLIST_SUCCESS) result = sort_all(&run, &camera);

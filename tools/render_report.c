@@ -41,6 +41,10 @@ int render_report_json(const struct render_outcome *outcome) {
   json_object_set_new(object, "opacity_convention", json_string(stats->convention));
   json_object_set_new(object, "tf_entries", json_integer((json_int_t)stats->transfer_knots));
   json_object_set_new(object, "order", json_string(stats->order));
+  json_object_set_new(object, "exterior", stats->exterior != NULL ? json_string(stats->exterior) : json_null());
+  json_object_set_new(object, "exterior_reason",
+                      stats->exterior_reason != NULL ? json_string(stats->exterior_reason) : json_null());
+  json_object_set_new(object, "imaginary_cells", json_integer((json_int_t)stats->imaginary_cells));
   json_object_set_new(object, "groups", json_integer((json_int_t)stats->group_count));
   json_object_set_new(object, "cells_in_groups", json_integer((json_int_t)stats->cells_in_groups));
   json_object_set_new(object, "integration", json_string(stats->method));
@@ -101,6 +105,9 @@ int render_report_text(const struct render_outcome *outcome) {
   fprintf(to, "drawn by %s (%s, %s precision, context %s), order: %s, %ux%u pixels, %llu segments\n", stats->renderer,
           stats->method, stats->precision, stats->backend, stats->order, options->size[0], options->size[1],
           (unsigned long long)stats->fragments);
+  if (stats->exterior != NULL)
+    fprintf(to, "exterior: %s, %zu imaginary cells (%s)\n", stats->exterior, stats->imaginary_cells,
+            stats->exterior_reason);
   fprintf(to, "seconds: load %.3f, convexify %.3f, sort %.4f, draw %.4f, total %.3f\n", stats->load_seconds,
           stats->convexify_seconds, outcome->sort, outcome->draw, outcome->total);
   if (outcome->full != NULL) explain(to, outcome);

@@ -2,10 +2,10 @@
  * Cache: a complex in a file, so that convexifying is paid once.
  *
  * The file is the arrays as they are (doubles bit by bit, ids as 32 bits, in the byte order of the machine, which the
- * head tells), with the statistics, a key and a checksum. The key is a hash of everything that the complex depends on:
- * this file's version, the mesh's points and tets, the options, and whether TetGen was there. A file that is cut,
- * changed, of another mesh or of other options is no error: the complex is made anew and the file replaced, whole or
- * not at all. */
+ * head tells), with the statistics, a note, a key and a checksum. The key is a hash of everything that the complex
+ * depends on: this file's version, the mesh's points and tets, the options, the caller's purpose, and whether TetGen
+ * was there. A file that is cut, changed, of another mesh or of other options is no error: the complex is made anew and
+ * the file replaced, whole or not at all. */
 #include <stdio.h>
 #include <unistd.h>
 
@@ -23,7 +23,8 @@ typedef struct cache_head {
   uint64_t checksum;  /* of the rest of the head and all arrays */
   uint64_t counts[8]; /* tets, cells, points, offsets, planes, facets, vertices, corners */
   double volumes[4];
-  uint64_t numbers[5]; /* exterior, cuts, merges, exterior_facets, convexity_violations */
+  uint64_t numbers[6]; /* exterior, cuts, merges, exterior_facets, convexity_violations, whether there is a complex */
+  char note[CELLIST_CELLS_NOTE];
 } cache_head;
 
 static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t size) {
@@ -40,24 +41,34 @@ static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t size) {
   return hash ^ hash >> 31;
 }
 
-static void make_key(const cellist_mesh_arrays *mesh, const cellist_convexify_desc *desc, uint64_t key[2]) {
+cellist_cells_key cellist_cells_key_of(const cellist_mesh *of, const cellist_convexify_desc *desc, uint64_t purpose) {
+  const cellist_mesh_arrays *mesh = cellist_mesh_get_arrays(of);
+  const cellist_convexify_desc defaults = cellist_convexify_desc_default();
+  if (desc == NULL) desc = &defaults;
 #ifdef CELLIST_HAVE_TETGEN
   const uint64_t has_tetgen = 1;
 #else
   const uint64_t has_tetgen = 0;
 #endif
-  const uint64_t options[] = {
-      CACHE_VERSION,       has_tetgen,
-      desc->exterior,      desc->candidates > 0 ? desc->candidates : cellist_convexify_desc_default().candidates,
-      desc->score,         desc->seed,
-      desc->keep_unmerged, desc->grid_size,
-      mesh->point_count,   mesh->tet_count};
+  const uint64_t options[] = {CACHE_VERSION,
+                              has_tetgen,
+                              desc->exterior,
+                              desc->candidates > 0 ? desc->candidates : defaults.candidates,
+                              desc->score,
+                              desc->seed,
+                              desc->keep_unmerged,
+                              desc->grid_size,
+                              mesh->point_count,
+                              mesh->tet_count,
+                              purpose};
+  cellist_cells_key key;
   for (int i = 0; i < 2; i++) {
     uint64_t hash = hash_bytes(i == 0 ? 0x243f6a8885a308d3u : 0x13198a2e03707344u, options, sizeof options);
     hash = hash_bytes(hash, mesh->positions, 3 * mesh->point_count * sizeof *mesh->positions);
     hash = hash_bytes(hash, mesh->tets, 4 * mesh->tet_count * sizeof *mesh->tets);
-    key[i] = hash_bytes(hash, mesh->neighbours, 4 * mesh->tet_count * sizeof *mesh->neighbours);
+    key.value[i] = hash_bytes(hash, mesh->neighbours, 4 * mesh->tet_count * sizeof *mesh->neighbours);
   }
+  return key;
 }
 
 /* The complex's arrays in the file's order; sizes in bytes. */
@@ -105,17 +116,21 @@ static bool has_length(FILE *file, uint64_t payload) {
          fseeko(file, (off_t)sizeof(cache_head), SEEK_SET) == 0;
 }
 
-/* Reads the file if it is whole and has this key. *complex stays NULL if not; an error is lack of memory only. */
-static cellist_result read_cache(cellist_context *context, const char *path, const uint64_t key[2],
-                                 cellist_complex **complex, cellist_convexify_stats *stats) {
+cellist_result cellist_cells_read(cellist_context *context, const char *path, cellist_cells_key key,
+                                  cellist_complex **complex, cellist_convexify_stats *stats,
+                                  char note[CELLIST_CELLS_NOTE]) {
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (path == NULL || complex == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_cells_read: path or complex is NULL");
   FILE *file = fopen(path, "rb");
-  if (file == NULL) return CELLIST_SUCCESS;
+  if (file == NULL) return cellist_fail(context, CELLIST_ERROR_NOT_FOUND, "%s cannot be read", path);
   cache_head head;
   cellist_complex_arrays a = {0};
+  cellist_complex *made = NULL;
   const void **blocks[ARRAY_COUNT];
   size_t sizes[ARRAY_COUNT];
   bool usable = fread(&head, sizeof head, 1, file) == 1 && memcmp(head.magic, MAGIC, sizeof MAGIC) == 0 &&
-                head.byte_order == BYTE_ORDER_MARK && head.key[0] == key[0] && head.key[1] == key[1];
+                head.byte_order == BYTE_ORDER_MARK && head.key[0] == key.value[0] && head.key[1] == key.value[1];
   for (int i = 0; usable && i < 8; i++) usable = head.counts[i] <= UINT32_MAX;
   cellist_result result = CELLIST_SUCCESS;
   if (usable) {
@@ -134,12 +149,18 @@ static cellist_result read_cache(cellist_context *context, const char *path, con
     }
     usable = usable && checksum_of(&head, (const void **const *)blocks, sizes) == head.checksum &&
              a.facet_starts[a.facet_count] == head.counts[7];
-    if (usable) result = cellist_complex_create(context, &a, complex);
-    if (usable && result == CELLIST_SUCCESS) fill_stats(&head, &a, stats);
+    if (usable && head.numbers[5] != 0) result = cellist_complex_create(context, &a, &made);
     for (int i = 0; i < ARRAY_COUNT; i++) cellist_deallocate(context, (void *)*blocks[i]);
   }
   fclose(file);
-  return result;
+  if (result != CELLIST_SUCCESS) return result;
+  if (!usable)
+    return cellist_fail(context, CELLIST_ERROR_NOT_FOUND, "%s is damaged, or of another mesh or other options", path);
+  *complex = made;
+  if (stats != NULL) fill_stats(&head, &a, stats);
+  if (note != NULL) memcpy(note, head.note, sizeof head.note);
+  if (note != NULL) note[CELLIST_CELLS_NOTE - 1] = '\0';
+  return CELLIST_SUCCESS;
 }
 
 static bool write_all(FILE *file, const cache_head *head, const void **const blocks[ARRAY_COUNT],
@@ -149,17 +170,26 @@ static bool write_all(FILE *file, const cache_head *head, const void **const blo
   return ok;
 }
 
-static cellist_result write_cache(cellist_context *context, const char *path, const uint64_t key[2],
-                                  const cellist_complex *complex, const cellist_convexify_stats *stats) {
-  cellist_complex_arrays a = *cellist_complex_get_arrays(complex);
+cellist_result cellist_cells_write(cellist_context *context, const char *path, cellist_cells_key key,
+                                   const cellist_complex *complex, const cellist_convexify_stats *stats,
+                                   const char *note) {
+  static const uint32_t no_corners = 0;
+  const cellist_convexify_stats none = {0};
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (path == NULL || (complex != NULL && stats == NULL))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_cells_write: path or stats is NULL");
+  if (stats == NULL) stats = &none;
+  cellist_complex_arrays a = {.facet_starts = &no_corners};
+  if (complex != NULL) a = *cellist_complex_get_arrays(complex);
   const size_t corner_count = a.facet_starts[a.facet_count];
-  cache_head head = {
-      .byte_order = BYTE_ORDER_MARK,
-      .key = {key[0], key[1]},
-      .counts = {a.tet_count, a.cell_count, a.point_count, a.offset_count, a.plane_count, a.facet_count, a.vertex_count,
-                 corner_count},
-      .volumes = {stats->hull_volume, stats->mesh_volume, stats->imaginary_volume, stats->volume_error},
-      .numbers = {stats->exterior, stats->cuts, stats->merges, stats->exterior_facets, stats->convexity_violations}};
+  cache_head head = {.byte_order = BYTE_ORDER_MARK,
+                     .key = {key.value[0], key.value[1]},
+                     .counts = {a.tet_count, a.cell_count, a.point_count, a.offset_count, a.plane_count, a.facet_count,
+                                a.vertex_count, corner_count},
+                     .volumes = {stats->hull_volume, stats->mesh_volume, stats->imaginary_volume, stats->volume_error},
+                     .numbers = {stats->exterior, stats->cuts, stats->merges, stats->exterior_facets,
+                                 stats->convexity_violations, complex != NULL}};
+  if (note != NULL) snprintf(head.note, sizeof head.note, "%s", note);
   memcpy(head.magic, MAGIC, sizeof MAGIC);
   const void **blocks[ARRAY_COUNT];
   size_t sizes[ARRAY_COUNT];
@@ -185,15 +215,14 @@ cellist_result cellist_convexify_cached(cellist_context *context, const cellist_
   if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
   if (mesh == NULL || complex == NULL || path == NULL)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_convexify_cached: an argument is NULL");
-  const cellist_convexify_desc defaults = cellist_convexify_desc_default();
   cellist_convexify_stats own;
-  uint64_t key[2];
-  make_key(cellist_mesh_get_arrays(mesh), desc != NULL ? desc : &defaults, key);
+  const cellist_cells_key key = cellist_cells_key_of(mesh, desc, 0);
   cellist_complex *made = NULL;
-  cellist_result result = read_cache(context, path, key, &made, &own);
-  if (result == CELLIST_SUCCESS && made == NULL) {
+  cellist_result result = cellist_cells_read(context, path, key, &made, &own, NULL);
+  if (result == CELLIST_ERROR_NOT_FOUND || (result == CELLIST_SUCCESS && made == NULL)) {
+    cellist_context_take_error(context);
     result = cellist_convexify(context, mesh, desc, &made, &own);
-    if (result == CELLIST_SUCCESS) result = write_cache(context, path, key, made, &own);
+    if (result == CELLIST_SUCCESS) result = cellist_cells_write(context, path, key, made, &own, NULL);
     if (result != CELLIST_SUCCESS) {
       cellist_complex_destroy(made);
       made = NULL;

@@ -5,6 +5,7 @@
 set -uo pipefail
 case=$1 cellist=$2 shared=$3 scratch=$4/$1
 here=$(cd "$(dirname "$0")" && pwd)
+export XDG_CACHE_HOME=$scratch/cache
 rm -rf "$scratch" && mkdir -p "$scratch" && cd "$scratch" || exit 1
 
 fail() {

@@ -43,7 +43,6 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   stats->backend = cellist_gl_backend_name(pipeline->gl);
   stats->pixels = names[framebuffer];
   stats->fragments = drawn.fragment_count;
-  pipeline_leave_out(stats, "exterior", "gaps are ordered by the boundary's own faces");
   if (!pipeline_is_inexact(pipeline))
     pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");
   else if (settings.optics.integration == CELLIST_INTEGRATION_PSI)

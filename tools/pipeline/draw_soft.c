@@ -32,7 +32,6 @@ cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_fram
   stats->precision = "fast";
   stats->backend = "none";
   stats->fragments = drawn.fragment_count;
-  pipeline_leave_out(stats, "exterior", "gaps are ordered by the boundary's own faces");
   pipeline_leave_out(stats, "tables", "exact for a piecewise linear transfer function");
   return CELLIST_SUCCESS;
 }

@@ -4,16 +4,23 @@
 
 #include "pipeline.h"
 
+/* A part of the mesh is cut out anew for each transfer function, and only where its gaps are cheap to sort: unless told
+ * otherwise it gets no exterior. */
 static cellist_result make_sorter(cellist_pipeline *pipeline) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(pipeline->drawn);
-  const cellist_sorter_desc desc = {.point_count = arrays->point_count,
+  const cellist_sorter_desc mesh = {.point_count = arrays->point_count,
                                     .points = arrays->positions,
                                     .tet_count = arrays->tet_count,
                                     .tets = arrays->tets,
                                     .neighbours = arrays->neighbours};
   if (pipeline->desc.sorting == CELLIST_SORTING_CENTROID)
-    return cellist_peer_create(pipeline->context, &desc, "centroid", &pipeline->peer);
-  return cellist_sorter_create(pipeline->context, &desc, &pipeline->sorter);
+    return cellist_peer_create(pipeline->context, &mesh, "centroid", &pipeline->peer);
+  cellist_order_desc desc = pipeline->desc.order;
+  if (pipeline->part != NULL && desc.exterior == CELLIST_ORDER_AUTO && !desc.needs_complex)
+    desc.exterior = CELLIST_ORDER_NONE;
+  const cellist_result result = cellist_order_create(pipeline->context, pipeline->drawn, &desc, &pipeline->sorted);
+  if (result == CELLIST_SUCCESS) pipeline->sorter = cellist_order_sorter(pipeline->sorted);
+  return result;
 }
 
 cellist_result pipeline_make_order(cellist_pipeline *pipeline) {
@@ -44,10 +51,38 @@ static cellist_result keep_groups(cellist_pipeline *pipeline) {
   return CELLIST_SUCCESS;
 }
 
+static void note_exterior(const cellist_pipeline *pipeline, cellist_pipeline_stats *stats) {
+  const cellist_order_facts *facts = cellist_order_get_facts(pipeline->sorted);
+  stats->exterior = facts->exterior;
+  stats->exterior_reason = facts->reason;
+  stats->imaginary_cells = facts->imaginary_cells;
+  stats->convexify_seconds = facts->seconds;
+  if (facts->imaginary_cells == 0) pipeline_leave_out(stats, "exterior", "%s", facts->reason);
+}
+
+/* Fills order and groups. If that fails, the order that stood there is lost. */
+static cellist_result sort_anew(cellist_pipeline *pipeline, const cellist_viewpoint *viewpoint) {
+  pipeline->sort_stats = (cellist_sort_stats){0};
+  cellist_result result = CELLIST_SUCCESS;
+  if (pipeline->peer != NULL)
+    result = cellist_peer_sort(pipeline->peer, viewpoint, pipeline->order);
+  else
+    result = cellist_sorter_sort(pipeline->sorter, viewpoint, pipeline->order, &pipeline->sort_stats);
+  if (result == CELLIST_SUCCESS && pipeline->peer == NULL) result = keep_groups(pipeline);
+  if (result != CELLIST_SUCCESS) {
+    cellist_pipeline_forget_order(pipeline);
+    return result;
+  }
+  pipeline->order_count = cellist_mesh_get_arrays(pipeline->drawn)->tet_count;
+  pipeline_filter_order(pipeline);
+  return CELLIST_SUCCESS;
+}
+
 cellist_result pipeline_sort(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_pipeline_stats *stats) {
   const char *order_free = pipeline_order_free(pipeline);
   stats->order = "none";
   if (order_free != NULL) {
+    pipeline_leave_out(stats, "exterior", "%s", order_free);
     pipeline_leave_out(stats, "sort", "%s", order_free);
     return CELLIST_SUCCESS;
   }
@@ -55,20 +90,23 @@ cellist_result pipeline_sort(cellist_pipeline *pipeline, const cellist_frame *fr
     stats->order = "approximate";
     return CELLIST_SUCCESS;
   }
+  if (pipeline->sorted != NULL) note_exterior(pipeline, stats);
   cellist_viewpoint viewpoint = {.parallel = frame->parallel};
   memcpy(viewpoint.position, frame->parallel ? frame->forward : frame->eye, sizeof viewpoint.position);
-  cellist_sort_stats sorted = {.exact = false};
-  const double begin = pipeline_seconds();
-  cellist_result result = pipeline->peer != NULL
-                              ? cellist_peer_sort(pipeline->peer, &viewpoint, pipeline->order)
-                              : cellist_sorter_sort(pipeline->sorter, &viewpoint, pipeline->order, &sorted);
-  if (result == CELLIST_SUCCESS && pipeline->peer == NULL) result = keep_groups(pipeline);
-  if (result != CELLIST_SUCCESS) return result;
-  pipeline->order_count = cellist_mesh_get_arrays(pipeline->drawn)->tet_count;
-  pipeline_filter_order(pipeline);
-  stats->sort_seconds = pipeline_seconds() - begin;
-  stats->order = sorted.exact ? "exact" : "approximate";
-  stats->group_count = sorted.group_count;
-  stats->cells_in_groups = sorted.cells_in_groups;
+  if (pipeline->sorter != NULL && !pipeline->desc.no_plan && cellist_sorter_is_current(pipeline->sorter, &viewpoint)) {
+    pipeline_leave_out(stats, "sort (same eye)", "the order depends on the eye's place alone");
+  } else {
+    const double begin = pipeline_seconds();
+    const cellist_result result = sort_anew(pipeline, &viewpoint);
+    if (result != CELLIST_SUCCESS) return result;
+    stats->sort_seconds = pipeline_seconds() - begin;
+  }
+  stats->order = pipeline->sort_stats.exact ? "exact" : "approximate";
+  stats->group_count = pipeline->sort_stats.group_count;
+  stats->cells_in_groups = pipeline->sort_stats.cells_in_groups;
   return CELLIST_SUCCESS;
+}
+
+void cellist_pipeline_forget_order(cellist_pipeline *pipeline) {
+  if (pipeline != NULL && pipeline->sorter != NULL) cellist_sorter_forget(pipeline->sorter);
 }

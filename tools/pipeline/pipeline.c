@@ -101,6 +101,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (result == CELLIST_SUCCESS) warn_of_method(created);
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
   created->prepare_seconds = pipeline_seconds() - loaded;
+  if (created->sorted != NULL) created->prepare_seconds -= cellist_order_get_facts(created->sorted)->seconds;
   if (result == CELLIST_SUCCESS)
     *pipeline = created;
   else
@@ -119,7 +120,7 @@ void cellist_pipeline_destroy(cellist_pipeline *pipeline) {
   cellist_deallocate(context, pipeline->visible);
   cellist_deallocate(context, pipeline->isos);
   cellist_soft_destroy(pipeline->soft);
-  cellist_sorter_destroy(pipeline->sorter);
+  cellist_order_destroy(pipeline->sorted);
   cellist_peer_destroy(pipeline->peer);
   cellist_raycaster_destroy(pipeline->caster);
   cellist_transfer_release(context, &pipeline->transfer);

@@ -3,6 +3,7 @@
 #ifndef CELLIST_TOOLS_PIPELINE_PRIVATE_H
 #define CELLIST_TOOLS_PIPELINE_PRIVATE_H
 
+#include <cellist/order.h>
 #include <cellist/pipeline.h>
 #include <cellist/soft.h>
 #include <cellist/sort.h>
@@ -32,9 +33,11 @@ struct cellist_pipeline {
   char method[48]; /* of integration, for stats */
   cellist_raycaster *caster;
   cellist_soft *soft;
-  cellist_sorter *sorter;
-  cellist_peer *peer; /* orders in the sorter's place; else NULL */
-  uint32_t *order;    /* [order_count] tets of drawn, far to near */
+  cellist_order *sorted;         /* the sorter and its exterior; NULL if no exact order is needed */
+  cellist_sorter *sorter;        /* sorted's */
+  cellist_sort_stats sort_stats; /* of the order that stands in order */
+  cellist_peer *peer;            /* orders in the sorter's place; else NULL */
+  uint32_t *order;               /* [order_count] tets of drawn, far to near */
   size_t order_count;
   cellist_group *groups; /* [group_count] of the order */
   size_t group_count, group_capacity;

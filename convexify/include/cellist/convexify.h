@@ -75,6 +75,35 @@ CELLIST_API cellist_result cellist_convexify_cached(cellist_context *context, co
                                                     const cellist_convexify_desc *desc, const char *path,
                                                     cellist_complex **complex, cellist_convexify_stats *stats);
 
+/* What a .cells file is kept under: a hash of everything that its content depends on. */
+typedef struct cellist_cells_key {
+  uint64_t value[2];
+} cellist_cells_key;
+
+/* The key of a mesh's geometry and the options (NULL: defaults). purpose: a number of the caller's, for files that hold
+ * something else than cellist_convexify_cached keeps (0). Threads: any. Cost: one pass over the mesh. */
+CELLIST_API cellist_cells_key cellist_cells_key_of(const cellist_mesh *mesh, const cellist_convexify_desc *desc,
+                                                   uint64_t purpose);
+
+/* A text in the file, for whoever reads it. */
+enum { CELLIST_CELLS_NOTE = 256 };
+
+/* Reads a .cells file that has this key.
+ * Arrays: *complex is the caller's, NULL if the file holds a note only; stats and note may be NULL.
+ * Errors: INVALID_ARGUMENT; NOT_FOUND (no file, a damaged one, or another key); OUT_OF_MEMORY.
+ * Threads: one call per context at a time. Cost: linear in the file. */
+CELLIST_API cellist_result cellist_cells_read(cellist_context *context, const char *path, cellist_cells_key key,
+                                              cellist_complex **complex, cellist_convexify_stats *stats,
+                                              char note[CELLIST_CELLS_NOTE]);
+
+/* Writes one, whole or not at all.
+ * Arrays: complex may be NULL, with stats; note may be NULL and is cut to fit.
+ * Errors: INVALID_ARGUMENT; IO (the file cannot be written); OUT_OF_MEMORY.
+ * Threads: one call per context at a time; several programs may write one file. Cost: linear in the complex. */
+CELLIST_API cellist_result cellist_cells_write(cellist_context *context, const char *path, cellist_cells_key key,
+                                               const cellist_complex *complex, const cellist_convexify_stats *stats,
+                                               const char *note);
+
 #ifdef __cplusplus
 }
 #endif

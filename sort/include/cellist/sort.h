@@ -64,6 +64,7 @@ typedef struct cellist_sort_stats {
   size_t cells_in_groups;
   size_t exact_sign_count;     /* faces so nearly in line with the eye that floating point could not decide */
   size_t imaginary_cell_count; /* sorted with the tets, and not in the order */
+  size_t link_count;           /* facets of imaginary cells with more than four neighbours */
   size_t left_cell_count;      /* tets that no topological sort could put in order: cycles and what lies in front */
   size_t component_cell_count; /* tets in cycles with imaginary cells, which gap arcs took apart */
   size_t gap_candidate_count;  /* pairs of boundary faces that were looked at */
@@ -88,6 +89,9 @@ CELLIST_API cellist_result cellist_sorter_create(cellist_context *context, const
 /* Frees the sorter; NULL is legal. */
 CELLIST_API void cellist_sorter_destroy(cellist_sorter *sorter);
 
+/* Whether the mesh fills its convex hull, so that faces alone order its cells. Threads: any. Cost: constant. */
+CELLIST_API bool cellist_sorter_is_convex(const cellist_sorter *sorter);
+
 /* Writes the order of all tets for one view: of two cells on one ray the farther one comes first, unless both
  * are in one group. A face whose plane holds the eye puts neither of its cells first: no ray crosses it.
  * Arrays: order has tet_count entries and is the caller's; stats may be NULL.
@@ -97,6 +101,13 @@ CELLIST_API void cellist_sorter_destroy(cellist_sorter *sorter);
  *   where a view has more than twice the gap arcs of those before, or a convex mesh has cycles. */
 CELLIST_API cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint,
                                                uint32_t *order, cellist_sort_stats *stats);
+
+/* Whether the last sort's order holds for this viewpoint: it was made for the same eye, or the same direction.
+ * Errors: false too if there was no successful sort. Threads: as cellist_sorter_sort. Cost: constant. */
+CELLIST_API bool cellist_sorter_is_current(const cellist_sorter *sorter, const cellist_viewpoint *viewpoint);
+
+/* Makes cellist_sorter_is_current false until the next sort. */
+CELLIST_API void cellist_sorter_forget(cellist_sorter *sorter);
 
 /* The groups of the last sort, ascending by begin.
  * Arrays: *groups has *count entries and belongs to the sorter until its next sort.

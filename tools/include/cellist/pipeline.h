@@ -6,6 +6,7 @@
 
 #include <cellist/image.h>
 #include <cellist/mesh.h>
+#include <cellist/order.h>
 #include <cellist/raycast.h>
 #include <cellist/transfer.h>
 #include <cellist/view.h>
@@ -69,6 +70,7 @@ typedef struct cellist_pipeline_desc {
   cellist_mesh_read_desc read;
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
+  cellist_order_desc order;        /* what cells are sorted with, where an exact order is needed */
   cellist_backend backend;         /* for faces */
   cellist_framebuffer framebuffer; /* for faces; maximum intensity is always drawn in floats */
   cellist_sorting sorting;         /* for faces and soft */
@@ -79,7 +81,8 @@ typedef struct cellist_pipeline_desc {
 
 /* A piece of work that a scene did not need, and why. */
 typedef struct cellist_left_out {
-  const char *what; /* "exterior", "sort", "groups", "invisible cells", "light", "tables"; belongs to the library */
+  const char *what; /* "exterior", "sort", "sort (same eye)", "groups", "invisible cells", "light", "tables"; belongs to
+                       the library */
   char why[96];
 } cellist_left_out;
 
@@ -88,7 +91,7 @@ enum { CELLIST_LEFT_OUT_LIMIT = 12 };
 /* Seconds and facts of the last picture. Texts belong to the library. */
 typedef struct cellist_pipeline_stats {
   double load_seconds;                     /* once: read, adjacency, Hilbert order */
-  double convexify_seconds;                /* once; 0 if nothing was convexified */
+  double convexify_seconds;                /* once: the exterior, made or read; 0 if nothing was convexified */
   double prepare_seconds;                  /* once: the plan, what the renderer keeps, without convexify_seconds */
   double sort_seconds, draw_seconds;       /* of the last picture */
   const char *renderer, *method, *backend; /* what was used; backend is "none" without OpenGL */
@@ -96,9 +99,11 @@ typedef struct cellist_pipeline_stats {
   const char *precision;                   /* "fast" (single precision) or "reference" */
   double error_bound;                      /* proved, of reference; infinity where none is known */
   const char *order;                       /* "exact", "approximate", or "none" if no order was needed */
-  size_t group_count, cells_in_groups;     /* cells that lie in front of each other in circles, where order matters */
-  uint64_t fragments;                      /* segments that contributed, as the renderer counts them */
-  const char *convention;                  /* of opacity: "unstructured" or "image" */
+  const char *exterior, *exterior_reason;  /* as cellist_order_facts; NULL if no order was needed */
+  size_t imaginary_cells;
+  size_t group_count, cells_in_groups; /* cells that lie in front of each other in circles, where order matters */
+  uint64_t fragments;                  /* segments that contributed, as the renderer counts them */
+  const char *convention;              /* of opacity: "unstructured" or "image" */
   size_t transfer_knots;
   double unit_distance;
   size_t visible_cells; /* tets that can show something, by their scalars' range; all of them without a plan */
@@ -128,6 +133,9 @@ CELLIST_API const cellist_scalar *cellist_pipeline_scalar(const cellist_pipeline
  * sorting and drawing. */
 CELLIST_API cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_view *view, uint32_t width,
                                                  uint32_t height, cellist_image **image, cellist_pipeline_stats *stats);
+
+/* Makes the next picture sort its cells, though the eye may be where it was: for timing. */
+CELLIST_API void cellist_pipeline_forget_order(cellist_pipeline *pipeline);
 
 #ifdef __cplusplus
 }
