@@ -21,12 +21,13 @@ static double peak_megabytes(void) {
 
 static int report_json(const cellist_convexify_stats *s, double seconds) {
   return terminal_print_json(json_pack(
-      "{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:I, s:f, s:b}", "exterior", EXTERIORS[s->exterior],
-      "exterior_facets", (json_int_t)s->exterior_facets, "imaginary_cells", (json_int_t)s->imaginary_cells, "facets",
-      (json_int_t)s->facets, "planes", (json_int_t)s->planes, "cuts", (json_int_t)s->cuts, "merges",
-      (json_int_t)s->merges, "hull_volume", s->hull_volume, "mesh_volume", s->mesh_volume, "imaginary_volume",
-      s->imaginary_volume, "volume_error", s->volume_error, "seconds", seconds, "convexity_violations",
-      (json_int_t)s->convexity_violations, "peak_mb", peak_megabytes(), "cached", s->cached));
+      "{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:I, s:f, s:b, s:I, s:f, s:f}", "exterior",
+      EXTERIORS[s->exterior], "exterior_facets", (json_int_t)s->exterior_facets, "imaginary_cells",
+      (json_int_t)s->imaginary_cells, "facets", (json_int_t)s->facets, "planes", (json_int_t)s->planes, "cuts",
+      (json_int_t)s->cuts, "merges", (json_int_t)s->merges, "hull_volume", s->hull_volume, "mesh_volume",
+      s->mesh_volume, "imaginary_volume", s->imaginary_volume, "volume_error", s->volume_error, "seconds", seconds,
+      "convexity_violations", (json_int_t)s->convexity_violations, "peak_mb", peak_megabytes(), "cached", s->cached,
+      "flat_edges", (json_int_t)s->flat_edges, "flat_angle", s->flat_angle, "flat_distance", s->flat_distance));
 }
 
 static int report_text(const cellist_convexify_stats *s, double seconds) {
@@ -36,6 +37,9 @@ static int report_text(const cellist_convexify_stats *s, double seconds) {
   printf("cuts, merges      %zu, %zu\n", s->cuts, s->merges);
   printf("volume            hull %.9g = mesh %.9g + imaginary %.9g, off by %.2g of the hull\n", s->hull_volume,
          s->mesh_volume, s->imaginary_volume, s->volume_error);
+  if (s->flat_edges > 0)
+    printf("left flat         %zu edges of %.3g degrees at most; no cell stands farther than %.3g beyond a facet\n",
+           s->flat_edges, s->flat_angle, s->flat_distance);
   printf("seconds           %.3f%s\n", seconds, s->cached ? ", read from the file" : "");
   return terminal_finish();
 }
@@ -44,6 +48,7 @@ int command_convexify(int argc, char **argv) {
   const char *output = NULL, *exterior = "hull", *score = "own";
   unsigned candidates = 0, grid_size = 0;
   unsigned long long seed = 1;
+  double flat = 0;
   bool json = false, keep_unmerged = false;
   mesh_options options;
   option_spec mesh_table[MESH_OPTION_COUNT];
@@ -54,6 +59,7 @@ int command_convexify(int argc, char **argv) {
        OPTION_CHOICE, &exterior},
       {"candidates", "K", "reflex edges whose planes compete for a cut (20)", OPTION_COUNT, &candidates},
       {"score", "own|paper", "how candidates are compared (own)", OPTION_CHOICE, &score},
+      {"flat", "DEGREES", "reflex edges this flat count as flat (0: none); the error is stated", OPTION_NUMBER, &flat},
       {"seed", "N", "of the random choice of candidates (1)", OPTION_SEED, &seed},
       {"grid-size", "N", "grid: planes along the longest axis", OPTION_COUNT, &grid_size},
       {"no-merge", "", "do not join neighbours whose union is convex", OPTION_FLAG, &keep_unmerged},
@@ -76,12 +82,14 @@ int command_convexify(int argc, char **argv) {
   cellist_mesh_read_desc read_desc;
   const char *wrong = mesh_options_resolve(&options, &read_desc);
   if (wrong != NULL) return wrong_usage("convexify", "%s", wrong);
+  if (!(flat >= 0 && flat < 90)) return wrong_usage("convexify", "--flat takes 0 to below 90 degrees");
   if (output == NULL) return wrong_usage("convexify", "-o FILE.cells is missing");
 
   cellist_convexify_desc desc = {.exterior = CELLIST_EXTERIOR_DELAUNAY,
                                  .candidates = candidates,
                                  .score = strcmp(score, "paper") == 0 ? CELLIST_SCORE_PAPER : CELLIST_SCORE_OWN,
                                  .seed = seed,
+                                 .flat_degrees = flat,
                                  .keep_unmerged = keep_unmerged,
                                  .grid_size = grid_size};
   for (int i = 0; i < 4; i++)

@@ -12,7 +12,7 @@
 #include "work.h"
 
 /* To be raised whenever the same options give another complex, or the layout below changes. */
-enum { CACHE_VERSION = 2, ARRAY_COUNT = 8 };
+enum { CACHE_VERSION = 4, ARRAY_COUNT = 8 };
 static const char MAGIC[8] = {'C', 'E', 'L', 'L', 'S', '\r', '\n', 26};
 static const uint64_t BYTE_ORDER_MARK = 0x0102030405060708u;
 
@@ -23,7 +23,9 @@ typedef struct cache_head {
   uint64_t checksum;  /* of the rest of the head and all arrays */
   uint64_t counts[8]; /* tets, cells, points, offsets, planes, facets, vertices, corners */
   double volumes[4];
-  uint64_t numbers[6]; /* exterior, cuts, merges, exterior_facets, convexity_violations, whether there is a complex */
+  double flat[3];      /* radians, distance, degrees */
+  uint64_t numbers[7]; /* exterior, cuts, merges, exterior_facets, convexity_violations, flat_edges, whether there is a
+                          complex */
   char note[CELLIST_CELLS_NOTE];
 } cache_head;
 
@@ -50,17 +52,15 @@ cellist_cells_key cellist_cells_key_of(const cellist_mesh *of, const cellist_con
 #else
   const uint64_t has_tetgen = 0;
 #endif
-  const uint64_t options[] = {CACHE_VERSION,
-                              has_tetgen,
-                              desc->exterior,
-                              desc->candidates > 0 ? desc->candidates : defaults.candidates,
-                              desc->score,
-                              desc->seed,
-                              desc->keep_unmerged,
-                              desc->grid_size,
-                              mesh->point_count,
-                              mesh->tet_count,
-                              purpose};
+  uint64_t flat_bits;
+  const double flat = desc->flat_degrees + 0.0; /* -0 is 0 */
+  memcpy(&flat_bits, &flat, sizeof flat_bits);
+  const uint64_t options[] = {CACHE_VERSION,       has_tetgen,
+                              desc->exterior,      desc->candidates > 0 ? desc->candidates : defaults.candidates,
+                              desc->score,         desc->seed,
+                              desc->keep_unmerged, desc->grid_size,
+                              mesh->point_count,   mesh->tet_count,
+                              flat_bits,           purpose};
   cellist_cells_key key;
   for (int i = 0; i < 2; i++) {
     uint64_t hash = hash_bytes(i == 0 ? 0x243f6a8885a308d3u : 0x13198a2e03707344u, options, sizeof options);
@@ -101,6 +101,9 @@ static void fill_stats(const cache_head *head, const cellist_complex_arrays *a, 
                                      .merges = head->numbers[2],
                                      .exterior_facets = head->numbers[3],
                                      .convexity_violations = head->numbers[4],
+                                     .flat_edges = head->numbers[5],
+                                     .flat_angle = head->flat[2],
+                                     .flat_distance = head->flat[1],
                                      .hull_volume = head->volumes[0],
                                      .mesh_volume = head->volumes[1],
                                      .imaginary_volume = head->volumes[2],
@@ -137,6 +140,8 @@ cellist_result cellist_cells_read(cellist_context *context, const char *path, ce
     size_t *counts[] = {&a.tet_count,   &a.cell_count,  &a.point_count, &a.offset_count,
                         &a.plane_count, &a.facet_count, &a.vertex_count};
     for (int i = 0; i < 7; i++) *counts[i] = head.counts[i];
+    a.flat_angle = head.flat[0];
+    a.flat_distance = head.flat[1];
     list_arrays(&a, blocks, sizes, head.counts[7]);
     uint64_t payload = 0;
     for (int i = 0; i < ARRAY_COUNT; i++) payload += sizes[i];
@@ -149,7 +154,7 @@ cellist_result cellist_cells_read(cellist_context *context, const char *path, ce
     }
     usable = usable && checksum_of(&head, (const void **const *)blocks, sizes) == head.checksum &&
              a.facet_starts[a.facet_count] == head.counts[7];
-    if (usable && head.numbers[5] != 0) result = cellist_complex_create(context, &a, &made);
+    if (usable && head.numbers[6] != 0) result = cellist_complex_create(context, &a, &made);
     for (int i = 0; i < ARRAY_COUNT; i++) cellist_deallocate(context, (void *)*blocks[i]);
   }
   fclose(file);
@@ -187,8 +192,9 @@ cellist_result cellist_cells_write(cellist_context *context, const char *path, c
                      .counts = {a.tet_count, a.cell_count, a.point_count, a.offset_count, a.plane_count, a.facet_count,
                                 a.vertex_count, corner_count},
                      .volumes = {stats->hull_volume, stats->mesh_volume, stats->imaginary_volume, stats->volume_error},
+                     .flat = {a.flat_angle, a.flat_distance, stats->flat_angle},
                      .numbers = {stats->exterior, stats->cuts, stats->merges, stats->exterior_facets,
-                                 stats->convexity_violations, complex != NULL}};
+                                 stats->convexity_violations, stats->flat_edges, complex != NULL}};
   if (note != NULL) snprintf(head.note, sizeof head.note, "%s", note);
   memcpy(head.magic, MAGIC, sizeof MAGIC);
   const void **blocks[ARRAY_COUNT];

@@ -144,7 +144,7 @@ static void nest_holes(work *w) {
 }
 
 /* Connected regions of w->cap_uses: each loop's outer loop. */
-static void find_regions(work *w, uint32_t plane) {
+void regions_find(work *w, uint32_t plane) {
   const work_plane *p = &w->planes.items[plane];
   w->cap_axis = 0;
   for (int k = 1; k < 3; k++)
@@ -156,7 +156,7 @@ static void find_regions(work *w, uint32_t plane) {
 }
 
 void caps_make(work *w, uint32_t plane, uint32_t cell) {
-  find_regions(w, plane);
+  regions_find(w, plane);
   w->cap_facets.count = 0;
   for (uint32_t i = 0; i < w->cap_loops.count; i++) {
     if (w->cap_loops.items[i].hole) continue;
@@ -184,7 +184,7 @@ void facet_part(work *w, uint32_t facet) {
                         .loop = CELLIST_NONE,
                         .forward = use->forward});
   }
-  find_regions(w, old.plane);
+  regions_find(w, old.plane);
   bool first = true;
   for (uint32_t i = 0; i < w->cap_loops.count; i++) {
     if (w->cap_loops.items[i].hole) continue;

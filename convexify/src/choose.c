@@ -68,7 +68,11 @@ static int side_about(const work *w, const struct candidate *c, uint32_t vertex)
 static void gather_near(work *w, const struct candidate *c, uint32_t piece, set_kind kind) {
   const work_piece *p = &w->pieces.items[piece];
   const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
-  set_near(w, kind == SET_MEMBERS ? &p->members : &p->reflex, c->normal, c->offset, ON_PLANE, &w->near);
+  set_near(w,
+           kind == SET_MEMBERS  ? &p->members
+           : kind == SET_REFLEX ? &p->reflex
+                                : &p->flat,
+           c->normal, c->offset, ON_PLANE, &w->near);
   size_t kept = 0;
   for (size_t i = 0; i < w->near.count; i++)
     if (set_holds(w, cell, kind, w->near.items[i])) w->near.items[kept++] = w->near.items[i];
@@ -126,6 +130,7 @@ static long crossed_facets(work *w, const struct candidate *c, uint32_t piece) {
 struct choice {
   struct candidate best;
   long score, crossed;
+  set_kind kind;    /* of edges that count */
   long looks, ties; /* what is left of LOOKS and TIE_LOOKS */
   bool any, crossed_known;
 };
@@ -137,7 +142,7 @@ static void compete(work *w, uint32_t piece, struct choice *choice, const struct
     score = crossed_facets(w, c, piece);
     if (choice->any && score >= choice->score) return;
   } else {
-    gather_near(w, c, piece, SET_REFLEX);
+    gather_near(w, c, piece, choice->kind);
     choice->looks -= (long)w->near.count;
     if (choice->any && reflex_score(w, c) > choice->score) return;
     score = exact_reflex_score(w, c);
@@ -172,29 +177,42 @@ static void compete_pairs(work *w, uint32_t piece, struct choice *choice, const 
 }
 
 /* A reflex edge of the piece: the nth, or any one. */
-static uint32_t draw_edge(work *w, uint32_t piece, bool any, size_t *nth) {
-  const work_set *reflex = &w->pieces.items[piece].reflex;
+static uint32_t draw_edge(work *w, uint32_t piece, set_kind kind, bool any, size_t *nth) {
+  const work_piece *p = &w->pieces.items[piece];
+  const work_set *reflex = kind == SET_REFLEX ? &p->reflex : &p->flat;
   const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
   for (;;) {
     const size_t drawn = any ? (size_t)random_below(&w->random, reflex->items.count) : (*nth)++;
-    if (set_holds(w, cell, SET_REFLEX, reflex->items.items[drawn])) return reflex->items.items[drawn];
+    if (set_holds(w, cell, kind, reflex->items.items[drawn])) return reflex->items.items[drawn];
   }
 }
 
+/* A piece whose reflex edges all count as flat. */
+static bool is_flat_enough(work *w, uint32_t piece) {
+  const id_list *members = &w->pieces.items[piece].members.items;
+  w->sorted.count = 0;
+  for (size_t i = 0; i < members->count; i++)
+    if (set_holds(w, (uint32_t)(w->mesh->tet_count + piece), SET_MEMBERS, members->items[i]))
+      list_push(w, &w->sorted, members->items[i]);
+  return flat_enough(w, w->sorted.items, w->sorted.count);
+}
+
 uint32_t choose_plane(work *w, uint32_t piece) {
-  const work_set *reflex = &w->pieces.items[piece].reflex;
-  if (reflex->live == 0) return CELLIST_NONE;
-  set_arrange(w, piece, SET_REFLEX);
+  const work_piece *p = &w->pieces.items[piece];
+  const set_kind kind = p->reflex.live > 0 ? SET_REFLEX : SET_FLAT;
+  const work_set *reflex = kind == SET_REFLEX ? &p->reflex : &p->flat;
+  if (reflex->live == 0 || (kind == SET_FLAT && is_flat_enough(w, piece))) return CELLIST_NONE;
+  set_arrange(w, piece, kind);
   set_arrange(w, piece, SET_MEMBERS);
   const size_t wanted = w->desc.candidates > 0 ? w->desc.candidates : DEFAULT_CANDIDATES;
   const bool any = wanted < reflex->live;
   const size_t draws = any ? wanted : reflex->live;
   const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
-  struct choice choice = {.looks = LOOKS, .ties = TIE_LOOKS};
+  struct choice choice = {.kind = kind, .looks = LOOKS, .ties = TIE_LOOKS};
   w->choices++;
   size_t nth = 0;
   for (size_t i = 0; i < draws && choice.looks > 0; i++) {
-    const uint32_t edge = draw_edge(w, piece, any, &nth);
+    const uint32_t edge = draw_edge(w, piece, kind, any, &nth);
     sectors_gather(w, edge, cell);
     for (size_t j = 0; j + 1 < w->events.count; j += 2) {
       if (sector_angle(w, edge, &w->events.items[j], &w->events.items[j + 1]) >= 0) continue;
@@ -211,8 +229,8 @@ uint32_t choose_plane(work *w, uint32_t piece) {
     if (w->desc.score == CELLIST_SCORE_OWN && e.line_is_points) compete_pairs(w, piece, &choice, &e);
   }
   if (choice.best.plane != CELLIST_NONE) return choice.best.plane;
-  const uint32_t *p = choice.best.points;
-  return exact_add_plane(w, p[0], p[1], p[2]);
+  const uint32_t *points = choice.best.points;
+  return exact_add_plane(w, points[0], points[1], points[2]);
 }
 
 /* Boundary faces a grid cell, on average over a grid as deep as wide; fewer means more and more compact cells.

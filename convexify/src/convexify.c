@@ -18,6 +18,7 @@ void work_release(work *w) {
   for (size_t p = 0; p < w->pieces.count; p++) {
     set_release(w, &w->pieces.items[p].members);
     set_release(w, &w->pieces.items[p].reflex);
+    set_release(w, &w->pieces.items[p].flat);
     cellist_deallocate(context, w->pieces.items[p].shells.items);
   }
   void *blocks[] = {w->limbs.items,
@@ -107,26 +108,48 @@ static void make(work *w, cellist_complex **complex) {
   work_fail(w, CELLIST_ERROR_GEOMETRY);
 }
 
-cellist_result cellist_convexify(cellist_context *context, const cellist_mesh *mesh, const cellist_convexify_desc *desc,
-                                 cellist_complex **complex, cellist_convexify_stats *stats) {
-  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
-  if (mesh == NULL || complex == NULL)
-    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_convexify: mesh or complex is NULL");
+static cellist_result attempt(cellist_context *context, const cellist_mesh *mesh, const cellist_convexify_desc *desc,
+                              cellist_complex **complex, cellist_convexify_stats *stats, bool *retry) {
   work *w = cellist_allocate_zeroed(context, 1, sizeof *w);
   if (w == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   w->context = context;
   w->mesh = cellist_mesh_get_arrays(mesh);
-  w->desc = desc != NULL ? *desc : cellist_convexify_desc_default();
+  w->desc = *desc;
   w->random.state = w->desc.seed;
+  w->flat = w->desc.flat_degrees * (PI / 180);
   w->stats.exterior = w->desc.exterior;
   cellist_complex *made = NULL;
   cellist_complex **target = &made;
   if (setjmp(w->failed) == 0) {
     make(w, target);
     *complex = made;
-    if (stats != NULL) *stats = w->stats;
+    *stats = w->stats;
   }
   const cellist_result result = w->result;
+  *retry = w->retry_without_it;
   work_release(w);
+  return result;
+}
+
+cellist_result cellist_convexify(cellist_context *context, const cellist_mesh *mesh, const cellist_convexify_desc *desc,
+                                 cellist_complex **complex, cellist_convexify_stats *stats) {
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (mesh == NULL || complex == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_convexify: mesh or complex is NULL");
+  cellist_convexify_desc own = desc != NULL ? *desc : cellist_convexify_desc_default();
+  if (!(own.flat_degrees >= 0 && own.flat_degrees < 90))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT,
+                        "cellist_convexify: edges of %g degrees cannot count as flat (0 to below 90)",
+                        own.flat_degrees);
+  cellist_convexify_stats made;
+  bool retry = false;
+  cellist_result result = attempt(context, mesh, &own, complex, &made, &retry);
+  if (retry) {
+    cellist_log(context, CELLIST_LOG_WARNING,
+                "edges of %g degrees are not left flat: cells would meet in facets with holes", own.flat_degrees);
+    own.flat_degrees = 0;
+    result = attempt(context, mesh, &own, complex, &made, &retry);
+  }
+  if (result == CELLIST_SUCCESS && stats != NULL) *stats = made;
   return result;
 }

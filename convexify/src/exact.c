@@ -291,6 +291,37 @@ int exact_cross(work *w, uint32_t plane_a, uint32_t plane_b, int k) {
   return n[4].sign;
 }
 
+double exact_cross_value(work *w, uint32_t plane_a, uint32_t plane_b, int k) {
+  const work_plane *a = &w->planes.items[plane_a], *b = &w->planes.items[plane_b];
+  const int i = (k + 1) % 3, j = (k + 2) % 3, unit = w->base - w->shift;
+  wide *n = &w->scratch[0];
+  load(w, &n[0], a->exact[i]);
+  load(w, &n[1], a->exact[j]);
+  load(w, &n[2], b->exact[i]);
+  load(w, &n[3], b->exact[j]);
+  wide_determinant2(&n[4], &n[0], &n[1], &n[2], &n[3], &n[5]);
+  return to_double(&n[4], (a->ids[0] == CELLIST_NONE ? 0 : 2 * unit) + (b->ids[0] == CELLIST_NONE ? 0 : 2 * unit));
+}
+
+double exact_height(work *w, uint32_t vertex, uint32_t plane) {
+  const work_plane *p = &w->planes.items[plane];
+  const int unit = w->base - w->shift;
+  evaluate(w, &w->scratch[0], &w->scratch[1], &w->vertices.items[vertex], p);
+  load(w, &w->scratch[1], w->vertices.items[vertex].exact[3]);
+  return quotient(&w->scratch[0], &w->scratch[1], p->ids[0] == CELLIST_NONE ? unit : 3 * unit);
+}
+
+bool exact_same_plane(work *w, uint32_t plane_a, uint32_t plane_b) {
+  if (plane_a == plane_b) return true;
+  const uint32_t *a = w->planes.items[plane_a].ids, *b = w->planes.items[plane_b].ids;
+  if (a[0] == CELLIST_NONE && b[0] == CELLIST_NONE)
+    return a[1] == b[1] && w->offsets.items[a[2]] == w->offsets.items[b[2]];
+  const uint32_t *spanned = a[0] == CELLIST_NONE ? b : a, other = a[0] == CELLIST_NONE ? plane_a : plane_b;
+  for (int k = 0; k < 3; k++)
+    if (exact_side(w, spanned[k], other) != 0) return false;
+  return true;
+}
+
 int exact_same_direction(const work *w, uint32_t plane_a, uint32_t plane_b) {
   const work_plane *a = &w->planes.items[plane_a], *b = &w->planes.items[plane_b];
   int k = 0;

@@ -491,13 +491,13 @@ static void find_reflex_edges(work *w) {
     const uint32_t cell = sector_reflex_cell(w, e);
     if (cell == CELLIST_NONE) continue;
     edge_own(w, e, cell);
-    for (int end = 0; end < 2; end++) start->items[w->edges.items[e].v[end] + 2]++;
+    for (int end = 0; end < 2 && !w->edges.items[e].is_flat; end++) start->items[w->edges.items[e].v[end] + 2]++;
   }
   for (size_t v = 2; v < start->count; v++) start->items[v] += start->items[v - 1];
   work_reserve(w, &w->input_reflex, start->items[start->count - 1], sizeof *w->input_reflex.items);
   for (uint32_t e = 0; e < w->edges.count; e++) {
     const work_edge *edge = &w->edges.items[e];
-    for (int end = 0; end < 2 && edge->reflex_cell != CELLIST_NONE; end++)
+    for (int end = 0; end < 2 && edge->reflex_cell != CELLIST_NONE && !edge->is_flat; end++)
       w->input_reflex.items[start->items[edge->v[end] + 1]++] = edge->v[1 - end];
   }
 }

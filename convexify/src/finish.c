@@ -15,8 +15,10 @@ static int compare_facet_keys(const void *a, const void *b) {
   return 0;
 }
 
+/* Edges at which an imaginary cell is reflex: those that count as flat, and violations. */
 static void count_violations(work *w) {
-  w->stats.convexity_violations = 0;
+  double largest = 0;
+  w->stats.convexity_violations = w->stats.flat_edges = 0;
   for (size_t f = 0; f < w->facets.count; f++)
     for (int side = 0; side < 2; side++) {
       const uint32_t cell = w->facets.items[f].cells[side];
@@ -25,9 +27,17 @@ static void count_violations(work *w) {
         const work_event mate = sector_mate(w, u, side);
         const work_event own = {u, (uint32_t)f, (uint8_t)side, w->uses.items[u].forward ? 1 : -1, !mate.closing};
         if (!mate.closing) continue;
-        w->stats.convexity_violations += sector_angle(w, w->uses.items[u].edge, &own, &mate) < 0;
+        if (sector_angle(w, w->uses.items[u].edge, &own, &mate) >= 0) continue;
+        const double angle = w->flat > 0 ? flat_angle(w, &own, &mate) : PI;
+        if (angle <= w->flat) {
+          w->stats.flat_edges++;
+          largest = fmax(largest, angle);
+        } else {
+          w->stats.convexity_violations++;
+        }
       }
     }
+  w->stats.flat_angle = largest;
 }
 
 /* Numbers the pieces that are still in use. */
@@ -64,13 +74,17 @@ static void add_contacts(work *w) {
 }
 
 _Noreturn static void fail_polygon(work *w, uint32_t a, uint32_t b) {
+  if (w->flat > 0) {
+    w->retry_without_it = true;
+    work_fail(w, CELLIST_ERROR_GEOMETRY);
+  }
   cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
                "convexify: cells %u and %u of the complex do not meet in one polygon", a, b);
   work_fail(w, CELLIST_ERROR_GEOMETRY);
 }
 
-/* w->hits: from, to of each edge of the group's outline, counter-clockwise about the plane; w->sorted: its corners. */
-static void trace_polygon(work *w, const facet_key *keys, size_t count, uint32_t plane) {
+/* w->hits: from, to of each edge of the group's outline, counter-clockwise about the plane. */
+static void gather_outline(work *w, const facet_key *keys, size_t count, uint32_t plane) {
   id_list *hits = &w->hits;
   hits->count = 0;
   for (size_t i = 0; i < count; i++) {
@@ -92,8 +106,13 @@ static void trace_polygon(work *w, const facet_key *keys, size_t count, uint32_t
       }
     }
   }
-  w->sorted.count = 0;
   if (hits->count < 6) fail_polygon(w, keys->low, keys->high);
+}
+
+/* w->sorted: the corners of the group's one polygon. */
+static void trace_polygon(work *w, const facet_key *keys) {
+  const id_list *hits = &w->hits;
+  w->sorted.count = 0;
   uint32_t at = hits->items[0];
   do {
     list_push(w, &w->sorted, at);
@@ -116,6 +135,92 @@ static double polygon_volume(const work *w, const uint32_t *corners, size_t coun
     }
   }
   return volume / 6;
+}
+
+/* What finish() numbers and sums. */
+typedef struct numbering {
+  id_list *pieces, *planes, *vertices; /* new numbers, or CELLIST_NONE */
+  double *volumes;                     /* of the imaginary cells */
+} numbering;
+
+static uint32_t vertex_number(work *w, const numbering *n, uint32_t v) {
+  uint32_t *number = &n->vertices->items[v];
+  if (*number != CELLIST_NONE) return *number;
+  *number = (uint32_t)(w->out.vertices.count / 3);
+  double p[3];
+  const uint32_t point = w->vertices.items[v].point;
+  if (point < w->mesh->point_count)
+    memcpy(p, &w->mesh->positions[3 * (size_t)point], sizeof p);
+  else if (point != CELLIST_NONE)
+    memcpy(p, &w->added_points.items[3 * (point - w->mesh->point_count)], sizeof p);
+  else
+    exact_position(w, v, p);
+  for (int k = 0; k < 3; k++) list_push(w, &w->out.vertices, p[k]);
+  return *number;
+}
+
+/* The polygon with the corners w->sorted, in a facet's plane and between its cells. */
+static void put_polygon(work *w, const numbering *n, uint32_t facet) {
+  output *out = &w->out;
+  const work_facet *f = &w->facets.items[facet];
+  const work_plane *plane = &w->planes.items[f->plane];
+  const uint32_t base = (uint32_t)w->mesh->tet_count;
+  const uint32_t cells[2] = {numbered(w, n->pieces, f->cells[0]), numbered(w, n->pieces, f->cells[1])};
+  uint32_t *plane_number = &n->planes->items[f->plane];
+  if (*plane_number == CELLIST_NONE) {
+    *plane_number = (uint32_t)(out->planes.count / 3);
+    const bool spanned = plane->ids[0] != CELLIST_NONE;
+    for (int k = 0; k < 3; k++)
+      list_push(w, &out->planes, spanned ? w->vertices.items[plane->ids[k]].point : plane->ids[k]);
+  }
+  list_push(w, &out->facet_planes, *plane_number);
+  const double volume = polygon_volume(w, w->sorted.items, w->sorted.count);
+  for (int side = 0; side < 2; side++) {
+    list_push(w, &out->cells, cells[side]);
+    if (cells[side] != CELLIST_NONE && cells[side] >= base)
+      n->volumes[cells[side] - base] += side == 0 ? -volume : volume;
+  }
+  for (size_t i = 0; i < w->sorted.count; i++) {
+    const uint32_t corner = vertex_number(w, n, w->sorted.items[i]);
+    list_push(w, &out->corners, corner);
+  }
+  list_push(w, &out->starts, (uint32_t)out->corners.count);
+}
+
+static bool same_side(work *w, const facet_key *a, const facet_key *b) {
+  const work_facet *f = &w->facets.items[a->facet], *g = &w->facets.items[b->facet];
+  if (!exact_same_plane(w, f->plane, g->plane)) return false;
+  return (f->cells[0] == g->cells[0]) == (exact_same_direction(w, f->plane, g->plane) > 0);
+}
+
+/* With a tolerance two cells may meet in several planes, and in several polygons of one plane. */
+static void put_polygons(work *w, const numbering *n, facet_key *keys, size_t count) {
+  for (size_t begin = 0, end; begin < count; begin = end) {
+    end = begin + 1;
+    for (size_t i = end; i < count; i++) {
+      if (!same_side(w, &keys[begin], &keys[i])) continue;
+      const facet_key swap = keys[end];
+      keys[end++] = keys[i];
+      keys[i] = swap;
+    }
+    const uint32_t plane = w->facets.items[keys[begin].facet].plane;
+    gather_outline(w, &keys[begin], end - begin, plane);
+    w->cap_uses.count = 0;
+    for (size_t i = 0; i < w->hits.count; i += 2)
+      list_push(
+          w, &w->cap_uses,
+          (cap_use){.edge = (uint32_t)i, .from = w->hits.items[i], .to = w->hits.items[i + 1], .loop = CELLIST_NONE});
+    regions_find(w, plane);
+    for (size_t i = 0; i < w->cap_loops.count; i++) {
+      const cap_loop *loop = &w->cap_loops.items[i];
+      if (loop->hole) fail_polygon(w, keys->low, keys->high);
+      w->sorted.count = 0;
+      uint32_t use = loop->first;
+      do list_push(w, &w->sorted, w->cap_uses.items[use].from);
+      while ((use = w->cap_uses.items[use].next) != loop->first);
+      put_polygon(w, n, keys[begin].facet);
+    }
+  }
 }
 
 static double cubed_unit(const work *w) { return ldexp(1, 3 * w->shift); }
@@ -144,80 +249,25 @@ static void measure_mesh(work *w) {
   w->stats.hull_volume = exact_volume(w, w->sorted.items, w->hull.count);
 }
 
-void finish(work *w, cellist_complex **complex) {
-  count_violations(w);
-  add_contacts(w);
-  const uint32_t base = (uint32_t)w->mesh->tet_count;
-  size_t imaginary_count = 0;
-  id_list *number = &w->ids;
-  number_pieces(w, number, &imaginary_count);
-
-  facet_key *keys = w->block_scratch = cellist_allocate(w->context, w->facets.count, sizeof *keys);
-  if (keys == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
-  size_t count = 0;
-  for (size_t f = 0; f < w->facets.count; f++) {
-    const uint32_t a = numbered(w, number, w->facets.items[f].cells[0]),
-                   b = numbered(w, number, w->facets.items[f].cells[1]);
-    if (a == b) continue; /* merged away */
-    /* Two cells meet in one plane, whatever its number; the outside is no cell. */
-    const bool outer = a == CELLIST_NONE || b == CELLIST_NONE;
-    keys[count++] = (facet_key){a < b ? a : b, a < b ? b : a, outer ? w->facets.items[f].plane : 0, (uint32_t)f};
+/* The largest distance of a vertex of an imaginary cell beyond one of its facets' planes, in the mesh's unit. */
+static double measure_overhang(work *w) {
+  double most = 0, diagonal;
+  for (size_t p = 0; p < w->pieces.count && w->stats.flat_edges > 0; p++) {
+    const uint32_t cell = (uint32_t)(w->mesh->tet_count + p);
+    const id_list *members = &w->pieces.items[p].members.items;
+    w->sorted.count = 0;
+    for (size_t i = 0; i < members->count; i++)
+      if (set_holds(w, cell, SET_MEMBERS, members->items[i])) list_push(w, &w->sorted, members->items[i]);
+    if (w->sorted.count > 0 && w->pieces.items[p].flat.live > 0)
+      most = fmax(most, flat_overhang(w, w->sorted.items, w->sorted.count, &diagonal));
   }
-  qsort(keys, count, sizeof *keys, compare_facet_keys);
+  return ldexp(most, w->shift);
+}
 
-  output *out = &w->out;
-  double_list *volumes = &w->box_scratch;
-  work_reserve(w, volumes, imaginary_count, sizeof(double));
-  for (size_t i = 0; i < imaginary_count; i++) volumes->items[i] = 0;
-  id_list *plane_number = &w->touched, *vertex_number = &w->split;
-  work_reserve(w, plane_number, w->planes.count + 1, sizeof(uint32_t));
-  work_reserve(w, vertex_number, w->vertices.count + 1, sizeof(uint32_t));
-  memset(plane_number->items, 0xff, w->planes.count * sizeof(uint32_t));
-  memset(vertex_number->items, 0xff, w->vertices.count * sizeof(uint32_t));
-  list_push(w, &out->starts, 0);
-  for (size_t begin = 0, end; begin < count; begin = end) {
-    for (end = begin + 1; end < count && memcmp(&keys[begin], &keys[end], 3 * sizeof(uint32_t)) == 0; end++) {
-    }
-    const work_facet *facet = &w->facets.items[keys[begin].facet];
-    const uint32_t plane = facet->plane;
-    const uint32_t cells[2] = {numbered(w, number, facet->cells[0]), numbered(w, number, facet->cells[1])};
-    trace_polygon(w, &keys[begin], end - begin, plane);
-    if (plane_number->items[plane] == CELLIST_NONE) {
-      plane_number->items[plane] = (uint32_t)(out->planes.count / 3);
-      for (int k = 0; k < 3; k++) {
-        const uint32_t id = w->planes.items[plane].ids[k];
-        const bool spanned = w->planes.items[plane].ids[0] != CELLIST_NONE;
-        list_push(w, &out->planes, spanned ? w->vertices.items[id].point : id);
-      }
-    }
-    list_push(w, &out->facet_planes, plane_number->items[plane]);
-    for (int side = 0; side < 2; side++) list_push(w, &out->cells, cells[side]);
-    const double volume = polygon_volume(w, w->sorted.items, w->sorted.count);
-    for (int side = 0; side < 2; side++)
-      if (cells[side] != CELLIST_NONE && cells[side] >= base)
-        volumes->items[cells[side] - base] += side == 0 ? -volume : volume;
-    for (size_t i = 0; i < w->sorted.count; i++) {
-      const uint32_t v = w->sorted.items[i];
-      if (vertex_number->items[v] == CELLIST_NONE) {
-        vertex_number->items[v] = (uint32_t)(out->vertices.count / 3);
-        double p[3];
-        const uint32_t point = w->vertices.items[v].point;
-        if (point < w->mesh->point_count)
-          memcpy(p, &w->mesh->positions[3 * (size_t)point], sizeof p);
-        else if (point != CELLIST_NONE)
-          memcpy(p, &w->added_points.items[3 * (point - w->mesh->point_count)], sizeof p);
-        else
-          exact_position(w, v, p);
-        for (int k = 0; k < 3; k++) list_push(w, &out->vertices, p[k]);
-      }
-      list_push(w, &out->corners, vertex_number->items[v]);
-    }
-    list_push(w, &out->starts, (uint32_t)out->corners.count);
-  }
-
+static void sum_up(work *w, const double *volumes, size_t count) {
   measure_mesh(w);
   long double sum = 0;
-  for (size_t i = 0; i < imaginary_count; i++) sum += volumes->items[i];
+  for (size_t i = 0; i < count; i++) sum += volumes[i];
   cellist_convexify_stats *stats = &w->stats;
   stats->imaginary_volume = (double)sum;
   stats->volume_error =
@@ -225,9 +275,59 @@ void finish(work *w, cellist_complex **complex) {
   stats->hull_volume *= cubed_unit(w);
   stats->mesh_volume *= cubed_unit(w);
   stats->imaginary_volume *= cubed_unit(w);
-  stats->imaginary_cells = imaginary_count;
-  stats->facets = out->facet_planes.count;
-  stats->planes = out->planes.count / 3;
+  stats->imaginary_cells = count;
+  stats->facets = w->out.facet_planes.count;
+  stats->planes = w->out.planes.count / 3;
+}
+
+/* The facets of each pair of cells, pair by pair; a facet that was merged away is none. Returns how many. */
+static size_t sort_facets(work *w, const id_list *number, facet_key *keys) {
+  size_t count = 0;
+  for (size_t f = 0; f < w->facets.count; f++) {
+    const uint32_t a = numbered(w, number, w->facets.items[f].cells[0]),
+                   b = numbered(w, number, w->facets.items[f].cells[1]);
+    if (a == b) continue;
+    /* Two convex cells meet in one plane, whatever its number; the outside is no cell. */
+    const bool outer = a == CELLIST_NONE || b == CELLIST_NONE;
+    keys[count++] = (facet_key){a < b ? a : b, a < b ? b : a, outer ? w->facets.items[f].plane : 0, (uint32_t)f};
+  }
+  qsort(keys, count, sizeof *keys, compare_facet_keys);
+  return count;
+}
+
+void finish(work *w, cellist_complex **complex) {
+  count_violations(w);
+  const double overhang = measure_overhang(w);
+  add_contacts(w);
+  const uint32_t base = (uint32_t)w->mesh->tet_count;
+  size_t imaginary_count = 0;
+  numbering n = {&w->ids, &w->touched, &w->split, NULL};
+  number_pieces(w, n.pieces, &imaginary_count);
+  work_reserve(w, n.planes, w->planes.count + 1, sizeof(uint32_t));
+  work_reserve(w, n.vertices, w->vertices.count + 1, sizeof(uint32_t));
+  memset(n.planes->items, 0xff, w->planes.count * sizeof(uint32_t));
+  memset(n.vertices->items, 0xff, w->vertices.count * sizeof(uint32_t));
+  work_reserve(w, &w->box_scratch, imaginary_count, sizeof(double));
+  n.volumes = w->box_scratch.items;
+  for (size_t i = 0; i < imaginary_count; i++) n.volumes[i] = 0;
+
+  facet_key *keys = w->block_scratch = cellist_allocate(w->context, w->facets.count, sizeof *keys);
+  if (keys == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  const size_t count = sort_facets(w, n.pieces, keys);
+  output *out = &w->out;
+  list_push(w, &out->starts, 0);
+  for (size_t begin = 0, end; begin < count; begin = end) {
+    for (end = begin + 1; end < count && memcmp(&keys[begin], &keys[end], 3 * sizeof(uint32_t)) == 0; end++) {
+    }
+    if (w->stats.flat_edges > 0) {
+      put_polygons(w, &n, &keys[begin], end - begin);
+      continue;
+    }
+    gather_outline(w, &keys[begin], end - begin, w->facets.items[keys[begin].facet].plane);
+    trace_polygon(w, &keys[begin]);
+    put_polygon(w, &n, keys[begin].facet);
+  }
+  sum_up(w, n.volumes, imaginary_count);
 
   for (size_t i = 0; i < 3 * w->mesh->point_count; i++) list_push(w, &out->points, w->mesh->positions[i]);
   for (size_t i = 0; i < w->added_points.count; i++) list_push(w, &out->points, w->added_points.items[i]);
@@ -244,8 +344,12 @@ void finish(work *w, cellist_complex **complex) {
                                          .facet_cells = out->cells.items,
                                          .facet_starts = out->starts.items,
                                          .facet_vertices = out->corners.items,
+                                         .flat_angle = w->stats.flat_angle,
+                                         .flat_distance = overhang,
                                          .vertex_count = out->vertices.count / 3,
                                          .vertices = out->vertices.items};
+  w->stats.flat_angle *= 180 / PI * (1 + 0x1p-50);
+  w->stats.flat_distance = overhang;
   const cellist_result result = cellist_complex_create(w->context, &arrays, complex);
   if (result != CELLIST_SUCCESS) work_fail(w, result);
 }

@@ -24,6 +24,24 @@ static bool fits_at(work *w, uint32_t facet, uint32_t cell_a, uint32_t cell_b) {
   return true;
 }
 
+/* Pieces that are convex but for edges that count as flat: whether their union is, too. */
+static bool stay_flat(work *w, uint32_t cell_a, uint32_t cell_b) {
+  const uint32_t cells[2] = {cell_a, cell_b};
+  work_piece *pieces[2];
+  for (int i = 0; i < 2; i++) pieces[i] = &w->pieces.items[cells[i] - w->mesh->tet_count];
+  if (pieces[0]->flat.live + pieces[1]->flat.live == 0) return true;
+  w->sorted.count = 0;
+  for (int i = 0; i < 2; i++)
+    for (size_t j = 0; j < pieces[i]->members.items.count; j++) {
+      const uint32_t member = pieces[i]->members.items.items[j];
+      if (w->facets.items[member / 2].cells[member % 2] == cells[i] && !shares(w, member / 2, cell_a, cell_b))
+        list_push(w, &w->sorted, member);
+    }
+  if (!flat_enough(w, w->sorted.items, w->sorted.count)) return false;
+  pieces[0]->flat.live += pieces[1]->flat.live;
+  return true;
+}
+
 static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
   const uint32_t base = (uint32_t)w->mesh->tet_count;
   if (w->pieces.items[cell_a - base].members.items.count < w->pieces.items[cell_b - base].members.items.count) {
@@ -42,6 +60,7 @@ static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
     const uint32_t facet = members->items[i] / 2;
     if (shares(w, facet, cell_a, cell_b) && !fits_at(w, facet, cell_a, cell_b)) return false;
   }
+  if (!stay_flat(w, cell_a, cell_b)) return false;
   for (size_t i = 0; i < kept; i++) {
     const uint32_t member = members->items[i];
     work_facet *f = &w->facets.items[member / 2];

@@ -131,7 +131,13 @@ uint32_t sector_reflex_cell(work *w, uint32_t edge) {
 void edge_own(work *w, uint32_t edge, uint32_t cell) {
   work_edge *e = &w->edges.items[edge];
   if (e->reflex_cell == cell) return;
-  if (e->reflex_cell != CELLIST_NONE) w->pieces.items[e->reflex_cell - w->mesh->tet_count].reflex.live--;
+  if (e->reflex_cell != CELLIST_NONE) {
+    work_piece *piece = &w->pieces.items[e->reflex_cell - w->mesh->tet_count];
+    (e->is_flat ? &piece->flat : &piece->reflex)->live--;
+  }
   e->reflex_cell = cell;
-  if (cell != CELLIST_NONE) set_push(w, &w->pieces.items[cell - w->mesh->tet_count].reflex, edge);
+  if (cell == CELLIST_NONE) return;
+  e->is_flat = flat_edge(w, edge, cell);
+  work_piece *piece = &w->pieces.items[cell - w->mesh->tet_count];
+  set_push(w, e->is_flat ? &piece->flat : &piece->reflex, edge);
 }

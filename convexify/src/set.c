@@ -21,12 +21,12 @@ static const double COORDINATE_LIMIT = 8;
 
 static work_set *set_of(work *w, uint32_t piece, set_kind kind) {
   work_piece *p = &w->pieces.items[piece];
-  return kind == SET_MEMBERS ? &p->members : &p->reflex;
+  return kind == SET_MEMBERS ? &p->members : kind == SET_REFLEX ? &p->reflex : &p->flat;
 }
 
 bool set_holds(const work *w, uint32_t cell, set_kind kind, uint32_t item) {
   if (kind == SET_MEMBERS) return w->facets.items[item / 2].cells[item % 2] == cell;
-  return w->edges.items[item].reflex_cell == cell;
+  return w->edges.items[item].reflex_cell == cell && w->edges.items[item].is_flat == (kind == SET_FLAT);
 }
 
 void set_push(work *w, work_set *set, uint32_t item) {

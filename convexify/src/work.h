@@ -19,6 +19,8 @@
 #include <setjmp.h>
 #include <stdlib.h>
 
+#define PI 3.14159265358979323846
+
 #define LIST(type)          \
   struct {                  \
     type *items;            \
@@ -61,6 +63,7 @@ typedef struct work_edge {
   uint32_t visited;
   uint32_t reflex_cell; /* the piece that is reflex here, as a cell, or CELLIST_NONE */
   bool line_is_points;
+  bool is_flat; /* reflex, but counts as flat: see flat.c */
 } work_edge;
 
 typedef struct work_use {
@@ -92,6 +95,7 @@ typedef struct work_set {
 typedef struct work_piece {
   work_set members; /* 2 facet + side */
   work_set reflex;  /* edges */
+  work_set flat;    /* those that count as flat */
   id_list shells;   /* inward shells not yet joined to the rest: a member of each */
 } work_piece;
 
@@ -162,6 +166,8 @@ typedef struct work {
   const cellist_mesh_arrays *mesh;
   cellist_convexify_desc desc;
   random_state random;
+  double flat;           /* radians up to which a reflex edge counts as flat; 0: none */
+  bool retry_without_it; /* what it leaves is no complex */
 
   /* exact.c: lengths are integers times 2^base, and doubles times 2^-shift, both from the origin. */
   int base, shift;
@@ -236,6 +242,12 @@ int exact_compare_axis(work *w, uint32_t a, uint32_t b, int axis);
 int exact_compare(work *w, uint32_t a, uint32_t b);
 /* Sign of component k of the cross product of two planes' normals. */
 int exact_cross(work *w, uint32_t plane_a, uint32_t plane_b, int k);
+/* That component, to a few units in the last place. */
+double exact_cross_value(work *w, uint32_t plane_a, uint32_t plane_b, int k);
+/* n.x + d at the vertex, likewise: the distance times the rounded normal's length. */
+double exact_height(work *w, uint32_t vertex, uint32_t plane);
+/* Whether two plane records are of one plane. */
+bool exact_same_plane(work *w, uint32_t plane_a, uint32_t plane_b);
 /* For planes known to be parallel: whether their normals agree (1) or oppose (-1). */
 int exact_same_direction(const work *w, uint32_t plane_a, uint32_t plane_b);
 /* Sign of the volume between the origin and these triangles: 3 vertices each, all points. */
@@ -296,9 +308,21 @@ uint32_t sector_reflex_cell(work *w, uint32_t edge);
 /* Gives the edge to the piece (as a cell) that is reflex there now, if that has changed. */
 void edge_own(work *w, uint32_t edge, uint32_t cell);
 
+/* ---- flat.c: a tolerance --------------------------------------------------------------------------------------- */
+
+/* By how much the sector of two events exceeds 180 degrees, in radians, rounded up; pi where it is 90 or more. */
+double flat_angle(work *w, const work_event *begin, const work_event *end);
+/* Whether all reflex sectors of the cell at the edge count as flat. */
+bool flat_edge(work *w, uint32_t edge, uint32_t cell);
+/* How far a vertex of these members stands beyond the plane of one of them, at most, rounded up; the diagonal of their
+ * box; both in the work's unit. */
+double flat_overhang(work *w, const uint32_t *members, size_t count, double *diagonal);
+/* Whether that is little enough to leave a piece as it is. */
+bool flat_enough(work *w, const uint32_t *members, size_t count);
+
 /* ---- set.c: what a plane comes near ---------------------------------------------------------------------------- */
 
-typedef enum set_kind { SET_MEMBERS, SET_REFLEX } set_kind;
+typedef enum set_kind { SET_MEMBERS, SET_REFLEX, SET_FLAT } set_kind;
 
 void set_push(work *w, work_set *set, uint32_t item);
 /* Whether the item still belongs to the piece with this cell. */
@@ -316,6 +340,8 @@ void set_release(work *w, work_set *set);
 bool piece_cut(work *w, uint32_t piece, uint32_t plane);
 /* Makes facets of w->cap_uses, each a connected region; both sides are the piece's. Fills w->cap_facets. */
 void caps_make(work *w, uint32_t plane, uint32_t cell);
+/* Links w->cap_uses, which lie in the plane, into w->cap_loops, and finds the loop around each hole. */
+void regions_find(work *w, uint32_t plane);
 /* Makes a facet of each connected region of this one; the new ones join w->touched. */
 void facet_part(work *w, uint32_t facet);
 /* Parts the piece along w->cap_facets. */

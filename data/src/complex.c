@@ -26,6 +26,9 @@ static cellist_result check_ids(cellist_context *context, const cellist_complex_
                                          : p[0] < a->point_count && p[1] < a->point_count && p[2] < a->point_count;
     if (!ok) return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "complex: plane %zu is out of range", i);
   }
+  if (!(a->flat_angle >= 0 && a->flat_angle < 1.6 && a->flat_distance >= 0 && isfinite(a->flat_distance)))
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "complex: a tolerance of %g and %g", a->flat_angle,
+                        a->flat_distance);
   if (a->facet_starts[0] != 0)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "complex: corners do not start at 0");
   for (size_t f = 0; f < a->facet_count; f++) {
@@ -73,6 +76,8 @@ cellist_result cellist_complex_create(cellist_context *context, const cellist_co
   a->plane_count = arrays->plane_count;
   a->facet_count = arrays->facet_count;
   a->vertex_count = arrays->vertex_count;
+  a->flat_angle = arrays->flat_angle;
+  a->flat_distance = arrays->flat_distance;
   const bool ok = copy_array(context, arrays->points, a->point_count, 3 * sizeof(double), &a->points) &&
                   copy_array(context, arrays->offsets, a->offset_count, sizeof(double), &a->offsets) &&
                   copy_array(context, arrays->planes, a->plane_count, 3 * sizeof(uint32_t), &a->planes) &&
@@ -185,7 +190,9 @@ static bool facets_fit(cellist_context *context, const cellist_complex_arrays *a
         length = fmax(length, fmax(fabs(q[k] - p[k]), fabs(r[k] - q[k])));
       }
       if (fabs(distance) > tolerance) return reject(context, "a corner leaves the plane of facet", f);
-      if (turn < -8 * tolerance * fmax(length, unit)) return reject(context, "a corner turns inwards at facet", f);
+      /* With a tolerance a facet's corners depend on the angles at which its cells' facets meet. */
+      if (a->flat_distance == 0 && turn < -8 * tolerance * fmax(length, unit))
+        return reject(context, "a corner turns inwards at facet", f);
     }
   }
   return true;
@@ -296,7 +303,7 @@ static bool cells_convex(cellist_context *context, const cellist_complex_arrays 
           const double *p = &a->vertices[3 * (size_t)a->facet_vertices[v]];
           double distance = -plane.offset;
           for (int k = 0; k < 3; k++) distance += plane.normal[k] * (p[k] - origin[k]);
-          if (towards * distance < -tolerance) {
+          if (towards * distance < -tolerance - a->flat_distance) {
             ok = reject(context, "not convex: imaginary cell", a->tet_count + c);
             break;
           }

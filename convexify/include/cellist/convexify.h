@@ -28,9 +28,13 @@ typedef struct cellist_convexify_desc {
   cellist_exterior exterior;
   uint32_t candidates; /* reflex edges whose planes compete for a cut; 0: 20. More than 20 sometimes hurts */
   cellist_score score;
-  uint64_t seed;      /* of the random choice of candidates */
-  bool keep_unmerged; /* do not join neighbours whose union is convex */
-  uint32_t grid_size; /* grid: planes along the longest axis; 0: as many as suit the number of boundary faces */
+  uint64_t seed;       /* of the random choice of candidates */
+  bool keep_unmerged;  /* do not join neighbours whose union is convex */
+  uint32_t grid_size;  /* grid: planes along the longest axis; 0: as many as suit the number of boundary faces */
+  double flat_degrees; /* a reflex edge this flat or flatter counts as flat, as long as no vertex of a cell stands
+                          farther beyond the plane of one of its facets than the angle's sine times the cell's diagonal.
+                          Fewer cells, which are convex but for that: see flat_angle and flat_distance of the complex.
+                          0: off (all cells are convex); below 90 */
 } cellist_convexify_desc;
 
 /* What convexifying did. */
@@ -43,6 +47,9 @@ typedef struct cellist_convexify_stats {
   size_t merges;
   size_t exterior_facets;      /* triangles that enclosed the exterior before it was cut */
   size_t convexity_violations; /* edges at which an imaginary cell is reflex, by exact test; 0 */
+  size_t flat_edges;           /* edges at which an imaginary cell is reflex but counts as flat */
+  double flat_angle;           /* the largest angle there, in degrees, rounded up */
+  double flat_distance;        /* how far a vertex of an imaginary cell stands beyond the plane of one of its facets */
   double hull_volume;          /* of the hull, or the box, in the mesh's unit cubed */
   double mesh_volume;          /* of the tets */
   double imaginary_volume;     /* of the imaginary cells, each summed by itself */
@@ -55,11 +62,10 @@ CELLIST_API cellist_convexify_desc cellist_convexify_desc_default(void);
 
 /* Makes a mesh convex. Every decision is exact on the coordinates as given.
  * Arrays: desc and stats may be NULL. *complex is the caller's, for cellist_complex_destroy.
- * Errors: INVALID_ARGUMENT; GEOMETRY (tets that overlap, boundary faces that cross or touch other than at shared
- *   vertices and edges, a flawed boundary: the message names cells by the ids of the user's file); OUT_OF_MEMORY;
- *   CANCELLED; INTERNAL.
- * Threads: one call per context at a time. The result depends on mesh and desc only.
- * Cost: see convexify/README.md. */
+ * Errors: INVALID_ARGUMENT (NULL, an angle out of range); GEOMETRY (tets that overlap, boundary faces that cross or
+ * touch other than at shared vertices and edges, a flawed boundary: the message names cells by the ids of the user's
+ * file); OUT_OF_MEMORY; CANCELLED; INTERNAL. Threads: one call per context at a time. The result depends on mesh and
+ * desc only. Cost: see convexify/README.md. */
 CELLIST_API cellist_result cellist_convexify(cellist_context *context, const cellist_mesh *mesh,
                                              const cellist_convexify_desc *desc, cellist_complex **complex,
                                              cellist_convexify_stats *stats);

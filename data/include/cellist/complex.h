@@ -42,6 +42,13 @@ typedef struct cellist_complex_arrays {
   const uint32_t *facet_vertices; /* [facet_starts[facet_count]] vertex ids, counter-clockwise seen from the plane's
                                      positive side; at least 3 a facet, some may lie on straight edges. The imaginary
                                      cells' facets match edge by edge */
+  /* How far from convex imaginary cells may be; 0 and 0: they are convex, exactly. At an edge a cell may be reflex by
+   * flat_angle (radians), and no point of a cell lies farther than flat_distance beyond the plane of one of its facets.
+   * So a ray may meet a cell again that it has left, or see two cells in the wrong order, over no more than this
+   * depth, perpendicular to that plane. Two cells may then meet in more than one facet, and facets are as far from
+   * convex as their cells make them. */
+  double flat_angle, flat_distance;
+
   size_t vertex_count;
   const double *vertices; /* [3 vertex_count] x y z, rounded: for drawing and overlap, not for exact decisions */
 } cellist_complex_arrays;
@@ -61,11 +68,10 @@ CELLIST_API void cellist_complex_destroy(cellist_complex *complex);
 CELLIST_API const cellist_complex_arrays *cellist_complex_get_arrays(const cellist_complex *complex);
 
 /* Whether the complex is what it promises for this mesh: the mesh's counts and points; vertices on their facets' planes
- * and facets convex, to rounding; the surface of every imaginary cell closed, each of its edges used once in either
- * direction; every cell's vertices on its own side of its facets' planes, to rounding; the mesh's boundary faces
- * covered by the tets' facets, to rounding, except those of flat tets.
- * Arrays: none.
- * Errors: false, with the reason as the context's error message; also when there is no memory for the check.
+ * and facets convex, to rounding (if the complex has no tolerance); the surface of every imaginary cell closed, each of
+ * its edges used once in either direction; every cell's vertices on its own side of its facets' planes, to rounding and
+ * flat_distance; the mesh's boundary faces covered by the tets' facets, to rounding, except those of flat tets. Arrays:
+ * none. Errors: false, with the reason as the context's error message; also when there is no memory for the check.
  * Threads: one call per context at a time. Cost: linear in facets and their corners, sorting apart. */
 CELLIST_API bool cellist_complex_is_valid(cellist_context *context, const cellist_complex *complex,
                                           const cellist_mesh *mesh);
