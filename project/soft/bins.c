@@ -97,6 +97,18 @@ static soft_rect rect_through_eye(const struct job *job, const uint32_t tet[4]) 
                      (uint16_t)(y1 < bottom ? y1 : bottom)};
 }
 
+/* A scalar per cell has no isosurfaces. */
+static bool meets_iso(const struct job *job, const uint32_t tet[4]) {
+  if (job->scene->cell_scalars != NULL) return false;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (int k = 0; k < 4; k++) {
+    const double s = job->bins->vertices[tet[k]].s;
+    low = s < low ? s : low;
+    high = s > high ? s : high;
+  }
+  return soft_model_meets_iso(&job->scene->model, low, high);
+}
+
 static void bound_cells(void *user, size_t begin, size_t end, unsigned worker) {
   (void)worker;
   const struct job *job = user;
@@ -111,8 +123,9 @@ static void bound_cells(void *user, size_t begin, size_t end, unsigned worker) {
       for (size_t k = 0; k < 4; k++) through = through || places[tets[4 * i + k]].x == HUGE_VALF;
       if (through) rects[i] = rect_through_eye(job, &tets[4 * i]);
     }
+  const bool by_iso = job->scene->model.model == CELLIST_MODEL_ISOSURFACES;
   for (size_t i = begin; i < end; i++)
-    if (!job->input->is_drawn[i]) rects[i] = (soft_rect){1, 1, 0, 0};
+    if (!job->input->is_drawn[i] || (by_iso && !meets_iso(job, &tets[4 * i]))) rects[i] = (soft_rect){1, 1, 0, 0};
 }
 
 /* The rectangle of a place in the order; none for cells that are not the mesh's. */

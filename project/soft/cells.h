@@ -43,7 +43,9 @@ typedef struct cell_batch {
   soft_record record[4];
   double gradient[3][4], corner[4][4]; /* of the scalar; x y z s of the first corner */
   double z_low[4], z_high[4], s_low[4], s_high[4];
-  double reference[4];                            /* which face it is */
+  double reference[4];                     /* which face it is */
+  double turn[3][3][4], corner_turn[3][4]; /* of the gradient at points: derivatives of each part; at the corner */
+  soft_gradient_record gradient_record[4];
   unsigned usable, careful, clipped, is_entry[4]; /* bit per lane; clipped: by the near plane; is_entry by face */
 } cell_batch;
 
@@ -112,6 +114,34 @@ static inline cell_linear cell_linear_of(const cell_rays *rays, cell_vector grad
 
 static inline d4 cell_size(d4 at, d4 per_x, d4 per_y, d4 columns, d4 rows) {
   return d4_add(d4_abs(at), d4_add(d4_mul(d4_abs(per_x), columns), d4_mul(d4_abs(per_y), rows)));
+}
+
+/* The cells' gradients from those at their points, part by part. */
+static inline void cells_set_gradients(const soft_scene *scene, const uint32_t cell[4], const cell_rays *rays,
+                                       const cell_vector a[4], const d4 corner[3], cell_batch *batch) {
+  for (int part = 0; part < 3; part++) {
+    double value[4][4];
+    for (int i = 0; i < 4; i++)
+      for (int k = 0; k < 4; k++)
+        value[k][i] = scene->model.point_gradients[scene->tets[4 * (size_t)cell[i] + (size_t)k]][part];
+    const d4 base = d4_load(value[0]);
+    cell_vector turn = vector_scale(a[1], d4_sub(d4_load(value[1]), base));
+    for (int k = 2; k < 4; k++) {
+      const cell_vector more = vector_scale(a[k], d4_sub(d4_load(value[k]), base));
+      turn = (cell_vector){d4_add(turn.x, more.x), d4_add(turn.y, more.y), d4_add(turn.z, more.z)};
+    }
+    const cell_linear linear = cell_linear_of(rays, turn, corner);
+    const d4 record[5] = {linear.at, linear.per_x, linear.per_y, linear.per_end, base};
+    for (int field = 0; field < 5; field++) {
+      float lanes[4];
+      d4_store_float(lanes, record[field]);
+      for (int i = 0; i < 4; i++) batch->gradient_record[i].g[3 * field + part] = lanes[i];
+    }
+    d4_store(batch->turn[part][0], turn.x);
+    d4_store(batch->turn[part][1], turn.y);
+    d4_store(batch->turn[part][2], turn.z);
+    d4_store(batch->corner_turn[part], base);
+  }
 }
 
 /* cell: four tets; rect: theirs, cut to the tile. */
@@ -224,6 +254,7 @@ static inline void cells_set_up(const soft_scene *scene, const uint32_t cell[4],
                            {s_low, s_high, d4_all(1), d4_all(0)}};
   for (int i = 0; i < 3; i++)
     d4_store_rows(&batch->record[0].place + 4 * i, sizeof(soft_record) / sizeof(float), record[i]);
+  if (scene->model.gradients == SOFT_POINT_GRADIENTS) cells_set_gradients(scene, cell, &rays, a, v[0], batch);
   d4_store(batch->reference, reference);
   d4_store(batch->gradient[0], gradient.x);
   d4_store(batch->gradient[1], gradient.y);

@@ -7,15 +7,20 @@
 #ifndef CELLIST_SOFT_PIECES_H
 #define CELLIST_SOFT_PIECES_H
 
-#include <optics/fast_lanes.h>
-
-#include "scene.h"
+#include "light.h"
 
 /* Eight fragments. */
 typedef struct segment8 {
   f8 from, to, length, near_depth, far_depth;
-  i8 pixel, cell;
+  i8 pixel;
+  /* Light: share and shine of the cell, or the gradient's parts where the ray enters and where it leaves. */
+  f8 light[6];
 } segment8;
+
+/* What pieces carry of it: the same, and for gradients at points also where the piece begins and ends, 0..1. */
+static inline int attribute_count(const soft_scene *scene) {
+  return scene->model.gradients == SOFT_NO_LIGHT ? 0 : scene->model.gradients == SOFT_CELL_GRADIENTS ? 2 : 8;
+}
 
 /* Adds eight pieces to what their pixels have gathered. rows: colour and minus the opacity of each. */
 static inline void blend_rows(soft_worker *worker, float rows[8][4], const int32_t *pixel, int count) {
@@ -37,14 +42,34 @@ static inline void blend_depths(soft_worker *worker, const soft_pieces *pieces, 
   }
 }
 
+/* Multiplies what pieces shine with by the light that falls on them, and adds highlights. */
+static inline void light_eight(const soft_scene *scene, const soft_pieces *pieces, size_t first, fast_gain8 *gain) {
+  f8 share = f8_load(pieces->attribute[0] + first), shine = f8_load(pieces->attribute[1] + first);
+  if (scene->model.gradients == SOFT_POINT_GRADIENTS) {
+    const f8 begin = f8_load(pieces->attribute[6] + first), end = f8_load(pieces->attribute[7] + first);
+    const f8 at = f8_fma(gain->place, f8_sub(begin, end), end);
+    f8 gradient[3];
+    for (int k = 0; k < 3; k++) {
+      const f8 near = f8_load(pieces->attribute[k] + first), far = f8_load(pieces->attribute[3 + k] + first);
+      gradient[k] = f8_fma(at, f8_sub(far, near), near);
+    }
+    light_gradients8(&scene->model, gradient, false, &share, &shine);
+  }
+  for (int k = 0; k < 3; k++) gain->colour[k] = f8_fma(gain->alpha, shine, f8_mul(gain->colour[k], share));
+}
+
 static inline void shade_eight(const soft_scene *scene, soft_worker *worker, size_t first, int count) {
   soft_pieces *pieces = worker->pieces;
   const f8 from = f8_load(pieces->from + first), to = f8_load(pieces->to + first);
   const f8 length = f8_load(pieces->length + first);
   const fast_band8 band = fast_band8_at(scene->transfer, i8_load(pieces->interval + first));
-  const fast_gain8 gain = fast_gain8_of(scene->transfer, &band, from, to, length);
+  const bool is_emission = scene->model.model == CELLIST_MODEL_EMISSION;
+  fast_gain8 gain = is_emission ? fast_emission8_of(&band, from, to, length)
+                                : fast_gain8_of(scene->transfer, &band, from, to, length);
+  if (scene->model.gradients != SOFT_NO_LIGHT) light_eight(scene, pieces, first, &gain);
+  const f8 alpha = is_emission ? f8_all(0) : f8_sub(f8_all(0), gain.alpha);
   float rows[8][4];
-  f8_to_rows(gain.colour[0], gain.colour[1], gain.colour[2], f8_sub(f8_all(0), gain.alpha), rows);
+  f8_to_rows(gain.colour[0], gain.colour[1], gain.colour[2], alpha, rows);
   blend_rows(worker, rows, pieces->pixel + first, count);
   if (scene->wants_depth) blend_depths(worker, pieces, first, gain.alpha, count);
 }
@@ -71,6 +96,7 @@ static void shade_pieces(const soft_scene *scene, soft_worker *worker, bool all)
     pieces->pixel[i] = pieces->pixel[first + i];
     pieces->depth[0][i] = pieces->depth[0][first + i];
     pieces->depth[1][i] = pieces->depth[1][first + i];
+    for (int k = 0; k < attribute_count(scene); k++) pieces->attribute[k][i] = pieces->attribute[k][first + i];
   }
 }
 
@@ -91,15 +117,25 @@ static inline void append_pieces(const soft_scene *scene, soft_worker *worker, c
     f8_store_packed(pieces->depth[0] + at, f8_fma(begin, extent, segment->near_depth), packing);
     f8_store_packed(pieces->depth[1] + at, f8_fma(end, extent, segment->near_depth), packing);
   }
+  if (scene->model.gradients != SOFT_NO_LIGHT) {
+    const bool at_points = scene->model.gradients == SOFT_POINT_GRADIENTS;
+    for (int k = 0; k < (at_points ? 6 : 2); k++)
+      f8_store_packed(pieces->attribute[k] + at, segment->light[k], packing);
+    if (at_points) {
+      f8_store_packed(pieces->attribute[6] + at, begin, packing);
+      f8_store_packed(pieces->attribute[7] + at, end, packing);
+    }
+  }
   pieces->count = at + (size_t)__builtin_popcount(lanes);
 }
 
-/* Cuts the segments of the mask where they cross knots, near pieces first. */
-static void cut_segments(const soft_scene *scene, soft_worker *worker, const segment8 *segment, unsigned lanes) {
-  const f8 zero = f8_all(0), one = f8_all(1), to = segment->to;
-  const f8 rise = f8_sub(to, segment->from), inverse = f8_div(one, rise);
-  i8 interval = fast_find8(scene->transfer, segment->from);
-  f8 from = segment->from, begin = zero;
+/* Cuts the segments of the mask, between two shares, where they cross knots, near pieces first. */
+static void cut_part(const soft_scene *scene, soft_worker *worker, const segment8 *segment, float first, float last,
+                     unsigned lanes) {
+  const f8 one = f8_all(1), rise = f8_sub(segment->to, segment->from), inverse = f8_div(one, rise);
+  const f8 finish = f8_all(last), to = last < 1 ? f8_fma(finish, rise, segment->from) : segment->to;
+  f8 from = f8_fma(f8_all(first), rise, segment->from), begin = f8_all(first);
+  i8 interval = fast_find8(scene->transfer, from);
   for (;;) {
     f8 low, high;
     fast_span8(scene->transfer, interval, &low, &high);
@@ -107,8 +143,8 @@ static void cut_segments(const soft_scene *scene, soft_worker *worker, const seg
     const unsigned beyond = m8_bits(m8_or(above, below)) & lanes;
     const f8 stop = f8_select(above, high, f8_select(below, low, to));
     /* A share of the rise from the segment's own front: no errors add up. */
-    const f8 share = f8_min(f8_max(f8_mul(f8_sub(stop, segment->from), inverse), begin), one);
-    const f8 end = f8_select(m8_or(above, below), share, one);
+    const f8 share = f8_min(f8_max(f8_mul(f8_sub(stop, segment->from), inverse), begin), finish);
+    const f8 end = f8_select(m8_or(above, below), share, finish);
     append_pieces(scene, worker, segment, from, stop, begin, end, interval, lanes);
     if (beyond == 0) return;
     lanes = beyond;
@@ -116,6 +152,13 @@ static void cut_segments(const soft_scene *scene, soft_worker *worker, const seg
     from = stop;
     begin = end;
   }
+}
+
+/* The same for whole segments, in as many parts as the light wants. */
+static void cut_segments(const soft_scene *scene, soft_worker *worker, const segment8 *segment, unsigned lanes) {
+  const uint32_t count = scene->model.gradients == SOFT_POINT_GRADIENTS ? scene->model.samples : 1;
+  for (uint32_t i = 0; i < count; i++)
+    cut_part(scene, worker, segment, (float)i / (float)count, (float)(i + 1) / (float)count, lanes);
 }
 
 /* Whether two lanes are of the same pixel: then the pieces of one must not come between those of the other. */
@@ -136,7 +179,8 @@ static inline void add_segments(const soft_scene *scene, soft_worker *worker, co
   fast_span8(scene->transfer, interval, &low, &high);
   const m8 crosses =
       m8_or(f8_greater(low, f8_min(segment->from, segment->to)), f8_greater(f8_max(segment->from, segment->to), high));
-  if ((m8_bits(crosses) & lanes) == 0) {
+  const bool in_parts = scene->model.gradients == SOFT_POINT_GRADIENTS && scene->model.samples > 1;
+  if ((m8_bits(crosses) & lanes) == 0 && !in_parts) {
     append_pieces(scene, worker, segment, segment->from, segment->to, f8_all(0), f8_all(1), interval, lanes);
   } else if (lanes != 255 || pixels_repeat(segment->pixel)) {
     for (unsigned i = 0; i < 8; i++)

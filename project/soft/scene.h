@@ -22,6 +22,27 @@ typedef struct soft_rect {
   uint16_t x0, y0, x1, y1;
 } soft_rect;
 
+/* An isosurface in the scaled scalar. */
+typedef struct soft_iso {
+  float value, opacity, colour[3];
+} soft_iso;
+
+/* Gradients that light falls on: none, one a cell, or linear in each cell from those at its points. */
+typedef enum soft_gradients { SOFT_NO_LIGHT, SOFT_CELL_GRADIENTS, SOFT_POINT_GRADIENTS } soft_gradients;
+
+/* Light and surfaces of a frame; vectors along right, up and forward. */
+typedef struct soft_model {
+  cellist_model model;
+  soft_gradients gradients;
+  double light[3], halfway[3]; /* unit vectors; halfway may be 0 */
+  double ambient, diffuse, specular, shininess;
+  double gradient_factor;      /* makes a gradient of scaled scalars per scaled length one in the light's unit */
+  float (*point_gradients)[4]; /* [points] in the light's unit, or NULL */
+  uint32_t samples;            /* parts of a segment that are lit one by one, at least 1 */
+  soft_iso *isos;              /* [iso_count] ascending */
+  size_t iso_count;
+} soft_model;
+
 /* All that does not change while tiles are filled. */
 typedef struct soft_scene {
   cellist_context *context;
@@ -44,6 +65,7 @@ typedef struct soft_scene {
   const cellist_soft_group *groups;
   size_t group_count;
   const fast_transfer *transfer;
+  soft_model model;
   float *colour[3], *alpha, *z, *z_back; /* the image's planes; NULL: not wanted */
   bool wants_depth;
 } soft_scene;
@@ -61,7 +83,7 @@ typedef struct soft_record {
 
 /* The same for the three components of a gradient that is linear in the cell, in units of the light. */
 typedef struct soft_gradient_record {
-  float g[3], g_x[3], g_y[3], g_end[3], base[3], unused;
+  float g[15], unused; /* three each: there, by x, by y, by the end, base */
 } soft_gradient_record;
 
 /* Pixels of cells that wait to be shaded, near to far on each pixel. */
@@ -71,7 +93,8 @@ typedef struct soft_fragments {
   int32_t *where;                  /* pixel of the tile, 2^16 times x and 2^24 times y within the cell's rectangle */
   int32_t *cell;                   /* index of the record */
   soft_record *records;            /* [capacity] */
-  soft_gradient_record *gradients; /* [capacity], only where the scene has gradients at points */
+  bool has_gradients;              /* else the next is NULL */
+  soft_gradient_record *gradients; /* [capacity] of records, where light takes gradients at points */
 } soft_fragments;
 
 /* Parts of segments within one interval of the transfer function, packed; the arrays hold SOFT_PIECES. */
@@ -93,11 +116,22 @@ typedef struct soft_worker {
   size_t sort_capacity;
   float (*pixels)[4]; /* [SOFT_TILE_PIXELS] colour gathered so far, and transmittance */
   float *z, *z_back;  /* [SOFT_TILE_PIXELS] */
+  float (*last)[2];   /* [SOFT_TILE_PIXELS] scalar and depth where the ray left the cell before: for isosurfaces */
   /* [SOFT_TILE_PIXELS + 8] places (1/depth, in parallel views -depth) between which each ray is seen, far below near;
    * only where the scene has a frame. Eight more, since vectors are loaded whole. */
   double *near_place, *far_place;
   uint64_t fragment_count, careful_count;
 } soft_worker;
+
+/* Prepares light and isosurfaces for a frame: point_gradients are the mesh's in world units, [3 points], or NULL.
+ * Errors: OUT_OF_MEMORY. */
+cellist_result soft_model_make(cellist_context *context, const cellist_optics *optics, const cellist_frame *frame,
+                               const cellist_transfer *transfer, const fast_transfer *table, double unit,
+                               const double *point_gradients, size_t point_count, soft_model *model);
+void soft_model_release(cellist_context *context, soft_model *model);
+
+/* Whether a cell whose scalars lie between low and high may hold an isosurface. */
+bool soft_model_meets_iso(const soft_model *model, double low, double high);
 
 /* Makes room for count fragments more; false without memory. */
 bool soft_fragments_reserve(cellist_context *context, soft_fragments *fragments, size_t count);

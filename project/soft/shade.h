@@ -7,11 +7,28 @@
 #define CELLIST_SOFT_SHADE_H
 
 #include "pieces.h"
+#include "surfaces.h"
 
 static inline f8 scalar_at(const soft_scene *scene, f8 end, f8 t, f8 s, const f8 record[12]) {
   const f8 change = f8_sub(s, f8_mul(record[6], end));
   const f8 value = scene->parallel ? f8_add(record[7], change) : f8_fma(t, change, record[7]);
   return f8_min(f8_max(value, record[8]), record[9]);
+}
+
+/* Gradients at an end of eight fragments. */
+static inline void gradients_of(const soft_scene *scene, const soft_fragments *fragments, size_t first, f8 x, f8 y,
+                                f8 end, f8 t, f8 gradient[3]) {
+  const float *row[8];
+  f8 record[16];
+  for (size_t i = 0; i < 8; i++) row[i] = fragments->gradients[fragments->cell[first + i]].g;
+  f8_transpose(row, record);
+  for (size_t i = 0; i < 8; i++) row[i] += 8;
+  f8_transpose(row, record + 8);
+  for (int k = 0; k < 3; k++) {
+    const f8 there = f8_fma(record[6 + k], y, f8_fma(record[3 + k], x, record[k]));
+    const f8 change = f8_sub(there, f8_mul(record[9 + k], end));
+    gradient[k] = scene->parallel ? f8_add(record[12 + k], change) : f8_fma(t, change, record[12 + k]);
+  }
 }
 
 static inline segment8 segments_of(const soft_scene *scene, const soft_fragments *fragments, size_t first,
@@ -23,7 +40,8 @@ static inline segment8 segments_of(const soft_scene *scene, const soft_fragments
   for (size_t i = 0; i < 8; i++) row[i] += 8;
   f8_transpose_half(row, record + 8);
   const i8 where = i8_load(fragments->where + first);
-  segment8 made = {.pixel = i8_and(where, i8_all(0xffff)), .cell = i8_load(fragments->cell + first)};
+  segment8 made;
+  made.pixel = i8_and(where, i8_all(0xffff));
   const f8 x = i8_to_float(i8_and(i8_shift_right(where, 16), i8_all(0xff))), y = i8_to_float(i8_shift_right(where, 24));
   const f8 place = f8_fma(record[2], y, f8_fma(record[1], x, record[0]));
   const f8 s = f8_fma(record[5], y, f8_fma(record[4], x, record[3]));
@@ -48,6 +66,13 @@ static inline segment8 segments_of(const soft_scene *scene, const soft_fragments
   }
   made.from = scalar_at(scene, near_end, near_t, s, record);
   made.to = scalar_at(scene, far_end, far_t, s, record);
+  if (scene->model.gradients == SOFT_CELL_GRADIENTS) {
+    made.light[0] = record[10];
+    made.light[1] = record[11];
+  } else if (scene->model.gradients == SOFT_POINT_GRADIENTS) {
+    gradients_of(scene, fragments, first, x, y, near_end, near_t, &made.light[0]);
+    gradients_of(scene, fragments, first, x, y, far_end, far_t, &made.light[3]);
+  }
   return made;
 }
 
@@ -65,7 +90,13 @@ static void shade_fragments(const soft_scene *scene, soft_worker *worker, uint32
   }
   for (size_t first = 0; first < count; first += 8) {
     const segment8 segment = segments_of(scene, fragments, first, left, top);
-    add_segments(scene, worker, &segment, count - first < 8 ? (1u << (count - first)) - 1 : 255);
+    const unsigned lanes = count - first < 8 ? (1u << (count - first)) - 1 : 255;
+    if (scene->model.model == CELLIST_MODEL_MAXIMUM)
+      add_maxima(worker, &segment, lanes);
+    else if (scene->model.model == CELLIST_MODEL_ISOSURFACES)
+      add_isosurfaces(scene, worker, &segment, lanes);
+    else
+      add_segments(scene, worker, &segment, lanes);
   }
   shade_pieces(scene, worker, true);
   fragments->count = fragments->record_count = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Soft: the public calls; prepares a frame and shares its tiles out among the workers. */
+#include <cellist/gradients.h>
 #include <cellist/soft.h>
 #include <math.h>
 #include <stdatomic.h>
@@ -12,9 +13,10 @@ struct cellist_soft {
   const cellist_mesh *mesh;
   const cellist_scalar *scalar;
   bool vectorised;
-  double unit;       /* the mesh's diagonal */
-  double *scalars;   /* [tets] as the optics take them, if they are on cells */
-  uint8_t *is_drawn; /* [tets] */
+  double unit;             /* the mesh's diagonal */
+  double *scalars;         /* [tets] as the optics take them, if they are on cells */
+  uint8_t *is_drawn;       /* [tets] */
+  double *point_gradients; /* [3 points] once light has asked for them */
   soft_bins bins;
   soft_worker *workers; /* [worker_count] */
   unsigned worker_count;
@@ -67,11 +69,12 @@ static cellist_result create_workers(cellist_soft *soft) {
     worker->pixels = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->pixels);
     worker->z = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z);
     worker->z_back = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z_back);
+    worker->last = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->last);
     worker->near_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->near_place);
     worker->far_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->far_place);
     worker->pieces = cellist_allocate_zeroed(soft->context, 1, sizeof *worker->pieces);
     if (worker->pixels == NULL || worker->z == NULL || worker->z_back == NULL || worker->near_place == NULL ||
-        worker->far_place == NULL || worker->pieces == NULL ||
+        worker->far_place == NULL || worker->pieces == NULL || worker->last == NULL ||
         !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
       return CELLIST_ERROR_OUT_OF_MEMORY;
   }
@@ -122,6 +125,7 @@ void cellist_soft_destroy(cellist_soft *soft) {
     cellist_deallocate(context, worker->values);
     cellist_deallocate(context, worker->scratch_values);
     cellist_deallocate(context, worker->pieces);
+    cellist_deallocate(context, worker->last);
     cellist_deallocate(context, worker->pixels);
     cellist_deallocate(context, worker->z);
     cellist_deallocate(context, worker->z_back);
@@ -131,6 +135,7 @@ void cellist_soft_destroy(cellist_soft *soft) {
   cellist_deallocate(context, soft->workers);
   cellist_deallocate(context, soft->scalars);
   cellist_deallocate(context, soft->is_drawn);
+  cellist_deallocate(context, soft->point_gradients);
   soft_bins_release(context, &soft->bins);
   cellist_deallocate(context, soft);
 }
@@ -147,13 +152,7 @@ static cellist_result check_settings(cellist_context *context, const cellist_sof
       return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "group %zu is out of order or beyond it", i);
     reached = group->begin + group->count;
   }
-  const cellist_optics *optics = &settings->optics;
-  if (optics->model != CELLIST_MODEL_EMISSION_ABSORPTION && optics->model != CELLIST_MODEL_ABSORPTION)
-    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
-                        "the soft projector draws emission-absorption and absorption only");
-  if (optics->light.enabled)
-    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "the soft projector draws no light");
-  return CELLIST_SUCCESS;
+  return cellist_optics_check(context, &settings->optics);
 }
 
 static cellist_result check_frame(cellist_context *context, const cellist_frame *frame, const cellist_image *image) {
@@ -261,6 +260,38 @@ static cellist_result draw(cellist_soft *soft, const cellist_frame *frame, const
   return cellist_progress(soft->context, "projecting", 1);
 }
 
+/* Whether the picture needs gradients at points; makes them on the first call that does. */
+static cellist_result want_gradients(cellist_soft *soft, const cellist_optics *optics, bool *wanted) {
+  *wanted = optics->light.enabled && !optics->light.cell_gradients && optics->model != CELLIST_MODEL_ABSORPTION &&
+            optics->model != CELLIST_MODEL_MAXIMUM;
+  if (!*wanted || soft->point_gradients != NULL) return CELLIST_SUCCESS;
+  double *made = cellist_allocate(soft->context, cellist_mesh_get_arrays(soft->mesh)->point_count, 3 * sizeof *made);
+  if (made == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  const cellist_result result = cellist_gradients_at_points(soft->context, soft->mesh, soft->scalar, made);
+  if (result == CELLIST_SUCCESS)
+    soft->point_gradients = made;
+  else
+    cellist_deallocate(soft->context, made);
+  return result;
+}
+
+static cellist_result make_model(cellist_soft *soft, const cellist_frame *frame, const cellist_transfer *transfer,
+                                 const cellist_soft_settings *settings, soft_scene *scene) {
+  bool at_points = false;
+  const cellist_result result = want_gradients(soft, &settings->optics, &at_points);
+  if (result != CELLIST_SUCCESS) return result;
+  for (unsigned i = 0; i < soft->worker_count; i++) { /* lists with room for other records */
+    soft_worker *worker = &soft->workers[i];
+    if (worker->fragments.has_gradients == at_points) continue;
+    soft_fragments_release(soft->context, &worker->fragments);
+    soft_fragments_release(soft->context, &worker->sorted);
+    worker->fragments.has_gradients = worker->sorted.has_gradients = at_points;
+  }
+  return soft_model_make(soft->context, &settings->optics, frame, transfer, scene->transfer, soft->unit,
+                         at_points ? soft->point_gradients : NULL, cellist_mesh_get_arrays(soft->mesh)->point_count,
+                         &scene->model);
+}
+
 cellist_result cellist_soft_render(cellist_soft *soft, const cellist_frame *frame, const cellist_transfer *transfer,
                                    const cellist_soft_settings *settings, cellist_image *image,
                                    cellist_soft_stats *stats) {
@@ -273,13 +304,15 @@ cellist_result cellist_soft_render(cellist_soft *soft, const cellist_frame *fram
   if (result != CELLIST_SUCCESS) return result;
   fast_transfer table;
   result = fast_transfer_create(context, transfer, soft->scalar->minimum, soft->scalar->maximum, soft->unit,
-                                settings->optics.model == CELLIST_MODEL_EMISSION_ABSORPTION, &table);
+                                settings->optics.model != CELLIST_MODEL_ABSORPTION, &table);
   if (result != CELLIST_SUCCESS) return result;
   soft_scene scene = scene_of(soft, frame, settings, image);
   scene.transfer = &table;
   cellist_soft_stats found = {0};
   result = surface_layer_make(context, settings->surface, frame, &settings->optics.light, &scene.layer);
+  if (result == CELLIST_SUCCESS) result = make_model(soft, frame, transfer, settings, &scene);
   if (result == CELLIST_SUCCESS) result = draw(soft, frame, settings, &scene, &found);
+  soft_model_release(context, &scene.model);
   surface_layer_release(context, &scene.layer);
   if (result == CELLIST_SUCCESS && stats != NULL) *stats = found;
   fast_transfer_release(context, &table);

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "cells.h"
+#include "light.h"
 #include "shade.h"
 
 /* Fragments that are gathered before they are shaded, at most a tile more: the list stays in the second-level cache. */
@@ -165,7 +166,9 @@ static inline void fill_plain(const tile_cell *cell, const soft_worker *limits, 
       case 15: fill_rows(cell, planes, 4, 3, true, NULL, fragments); break;
       default: return; /* not entered, or not left: rounding, of a cell thinner than it */
     }
-  if (fragments->count > before) fragments->records[fragments->record_count++] = batch->record[lane];
+  if (fragments->count == before) return;
+  if (fragments->has_gradients) fragments->gradients[fragments->record_count] = batch->gradient_record[lane];
+  fragments->records[fragments->record_count++] = batch->record[lane];
 }
 
 /* The plane of a face, from its points in the order of their ids: the two cells that share it get the same bits, so
@@ -249,6 +252,25 @@ static inline bool careful_pixel(const soft_scene *scene, const tile_cell *cell,
   return true;
 }
 
+/* The gradient where a careful pixel's ray leaves the cell, and how it changes towards the entry. */
+static inline void careful_gradient(const soft_scene *scene, const cell_batch *batch, int lane, double u, double v,
+                                    double leaves, soft_gradient_record *record) {
+  const double t = scene->parallel ? -leaves : 1 / leaves, stretch = scene->parallel ? 1 : t;
+  const double from[3] = {stretch * u - batch->corner[0][lane], stretch * v - batch->corner[1][lane],
+                          t - batch->corner[2][lane]};
+  *record = (soft_gradient_record){.unused = 0};
+  for (int part = 0; part < 3; part++) {
+    double value = batch->corner_turn[part][lane];
+    for (int k = 0; k < 3; k++) value += batch->turn[part][k][lane] * from[k];
+    const double slope =
+        scene->parallel
+            ? batch->turn[part][2][lane]
+            : t * (batch->turn[part][0][lane] * u + batch->turn[part][1][lane] * v + batch->turn[part][2][lane]);
+    record->g[9 + part] = (float)slope;
+    record->g[12 + part] = (float)value;
+  }
+}
+
 static void fill_careful(const soft_scene *scene, const soft_worker *limits, const tile_cell *cell,
                          soft_fragments *fragments) {
   const soft_rect rect = cell->rect;
@@ -269,6 +291,9 @@ static void fill_careful(const soft_scene *scene, const soft_worker *limits, con
       if (!careful_pixel(scene, cell, planes, u, v, seen, &fragments->records[fragments->record_count],
                          &fragments->near_end[at]))
         continue;
+      if (fragments->has_gradients)
+        careful_gradient(scene, cell->batch, cell->lane, u, v, fragments->records[fragments->record_count].place,
+                         &fragments->gradients[fragments->record_count]);
       fragments->far_end[at] = 0;
       fragments->where[at] = pixel;
       fragments->cell[at] = (int32_t)fragments->record_count++;
@@ -322,6 +347,7 @@ static bool fill_entries(const soft_scene *scene, soft_worker *worker, uint32_t 
     last -= (size_t)count;
     cell_batch batch;
     cells_set_up(scene, cell, rect, &batch);
+    if (scene->model.gradients == SOFT_CELL_GRADIENTS) light_cells(&scene->model, &batch);
     for (int i = 0; i < count; i++) {
       if (!(batch.usable >> i & 1)) continue;
       const tile_cell one = {&batch, i, cell[i], rect[i],
@@ -375,6 +401,15 @@ static bool fill_tile(const soft_scene *scene, soft_worker *worker, uint32_t lef
   return true;
 }
 
+/* The colour of the largest scalar, where there is one. */
+static inline void colour_maximum(const soft_scene *scene, float largest, float colour[3], float *alpha) {
+  *alpha = largest > -HUGE_VALF ? 1 : 0;
+  for (int k = 0; k < 3; k++) colour[k] = 0;
+  if (*alpha == 0) return;
+  const fast_interval *in = &scene->transfer->intervals[fast_find_interval(scene->transfer, largest)];
+  for (int k = 0; k < 3; k++) colour[k] = in->colour[k] + in->colour_slope[k] * (largest - in->low);
+}
+
 static void store_tile(const soft_scene *scene, const soft_worker *worker, uint32_t left, uint32_t top) {
   for (uint32_t y = top; y < scene->height && y < top + SOFT_TILE; y++)
     for (uint32_t x = left; x < scene->width && x < left + SOFT_TILE; x++) {
@@ -382,6 +417,7 @@ static void store_tile(const soft_scene *scene, const soft_worker *worker, uint3
       float colour[3], alpha = 1 - worker->pixels[from][3];
       float z = (float)(worker->z[from] * scene->unit), z_back = (float)(worker->z_back[from] * scene->unit);
       for (int k = 0; k < 3; k++) colour[k] = worker->pixels[from][k];
+      if (scene->model.model == CELLIST_MODEL_MAXIMUM) colour_maximum(scene, worker->pixels[from][0], colour, &alpha);
       surface_layer_put_behind(&scene->layer, to, colour, &alpha, &z, &z_back);
       for (int k = 0; k < 3; k++)
         if (scene->colour[k] != NULL) scene->colour[k][to] = colour[k];
@@ -416,7 +452,9 @@ static bool draw_tile(const soft_scene *scene, soft_worker *worker, size_t tile)
   const uint32_t left = (uint32_t)(tile % scene->tiles_across) * SOFT_TILE;
   const uint32_t top = (uint32_t)(tile / scene->tiles_across) * SOFT_TILE;
   for (size_t i = 0; i < SOFT_TILE_PIXELS; i++) {
-    memcpy(worker->pixels[i], (const float[4]){0, 0, 0, 1}, sizeof worker->pixels[i]);
+    const float first = scene->model.model == CELLIST_MODEL_MAXIMUM ? -HUGE_VALF : 0;
+    memcpy(worker->pixels[i], (const float[4]){first, 0, 0, 1}, sizeof worker->pixels[i]);
+    worker->last[i][0] = worker->last[i][1] = -HUGE_VALF;
     worker->z[i] = HUGE_VALF;
     worker->z_back[i] = 0;
   }

@@ -64,6 +64,12 @@ typedef struct cellist_optics {
   uint32_t table_size[2]; /* of TABLE: nodes along each scalar axis and along the length; 0: those above */
 } cellist_optics;
 
+/* Checks what a caller made himself: a model that exists, at most four samples, finite isosurfaces with opacities of 0
+ * to 1, and light whose numbers make sense where it is enabled.
+ * Errors: INVALID_ARGUMENT (the message says what is wrong). Threads: one call per context at a time. Cost: linear in
+ * isosurfaces. */
+CELLIST_API cellist_result cellist_optics_check(cellist_context *context, const cellist_optics *optics);
+
 /* The pixels that a renderer through OpenGL blends cells in. */
 typedef enum cellist_framebuffer {
   CELLIST_FRAMEBUFFER_32F, /* four floats */

@@ -42,7 +42,7 @@ typedef struct cellist_soft_group {
 
 /* What is drawn. {0} draws nothing: an order of no cells. */
 typedef struct cellist_soft_settings {
-  cellist_optics optics; /* emission-absorption or absorption, without light */
+  cellist_optics optics; /* every model, lit or not */
   /* [order_count] tets of the mesh, far to near for this frame's eye, each at most once. Ids beyond the mesh's tets
    * (imaginary cells), flat cells and cells with a NaN or infinite scalar may be in it and are not drawn. */
   const uint32_t *order;
@@ -65,8 +65,8 @@ typedef struct cellist_soft_stats {
  *   depth along frame->forward where the first contribution begins and the last one ends (infinity and 0 where there
  *   is none). settings and its arrays are read during the call; stats may be NULL.
  * Errors: INVALID_ARGUMENT (NULL, an image of another size, a transfer function without knots, out of order or not
- *   finite, groups beyond the order), UNSUPPORTED (an optical model or light that it does not draw, more than 65,535
- *   pixels along a side), OUT_OF_MEMORY, CANCELLED.
+ *   finite, optics that cellist_optics_check refuses, groups beyond the order), UNSUPPORTED (more than 65,535 pixels
+ *   along a side), OUT_OF_MEMORY, CANCELLED.
  * Threads: one render per projector at a time; the context's workers share out tiles, the picture does not depend on
  *   their number. Pictures with and without AVX2 differ by rounding.
  * Cost: linear in cells and fragments; memory of earlier calls is used again. */
