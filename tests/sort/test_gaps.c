@@ -227,6 +227,38 @@ TEST(compare_agrees_with_brute_force)
   harness_context_destroy(context);
 }
 
+TEST(all_pairs_at_once_are_what_each_pair_is)
+{
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = scene_grid(context, 3, 0.1, 0.5, 8);
+  const cellist_sorter_desc desc = sorter_desc_of(mesh);
+  cellist_sorter *sorter = NULL;
+  assert_success(context, cellist_sorter_create(context, &desc, &sorter));
+  enum { COUNT = 40 };
+  uint32_t cells[COUNT];
+  int8_t matrix[COUNT * COUNT];
+  size_t ordered = 0;
+  for (unsigned kind = 0; kind < 18; kind++) {
+    random_state random = {kind};
+    const cellist_viewpoint view = scene_view(kind, 3, &random);
+    for (int i = 0; i < COUNT; i++) cells[i] = (uint32_t)random_below(&random, desc.tet_count);
+    assert_success(context, cellist_sorter_compare_all(sorter, &view, cells, COUNT, matrix));
+    for (int i = 0; i < COUNT; i++)
+      for (int j = 0; j < COUNT; j++) {
+        assert_int_equal(matrix[i * COUNT + j], cellist_sorter_compare(sorter, &view, cells[i], cells[j]));
+        ordered += matrix[i * COUNT + j] > 0;
+      }
+  }
+  assert_true(ordered > 500);
+  const cellist_viewpoint view = {{9, 9, 9}, false};
+  cells[3] = (uint32_t)desc.tet_count;
+  assert_failure(context, cellist_sorter_compare_all(sorter, &view, cells, COUNT, matrix),
+                 CELLIST_ERROR_INVALID_ARGUMENT, "cell ");
+  cellist_sorter_destroy(sorter);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
 TEST(any_number_of_workers_gives_the_same_order)
 {
   cellist_mesh *mesh = NULL;

@@ -24,8 +24,8 @@
  * choose other exteriors, never another picture. */
 static const double CELL_WORK = 4.6, LINK_WORK = 12, LEFT_WORK = 55, PAIR_WORK = 100;
 
-/* An exterior that costs no more than this many plain sorts of the tets is taken without trying others: they too would
- * add imaginary cells. */
+/* An exterior that leaves nothing to the later stages, or costs no more than this many plain sorts of the tets, is
+ * taken without trying others: they too would add imaginary cells. */
 static const double GOOD_ENOUGH = 2;
 
 /* With more boundary faces than this, making an exterior takes minutes: gaps are ordered by overlap instead. */
@@ -39,6 +39,7 @@ struct cellist_order {
   cellist_sorter *sorter;
   cellist_order_facts facts;
   double work; /* of a view, in plain sorts of the tets */
+  bool left;   /* the first stage of the sort left something in a view */
 #ifdef CELLIST_HAS_CONVEXIFY
   cellist_complex *complex;
 #endif
@@ -229,6 +230,7 @@ static cellist_result count_work(cellist_order *order) {
     const cellist_viewpoint view = sample_view(a->bounds, i);
     cellist_sort_stats stats = {0};
     result = cellist_sorter_sort(order->sorter, &view, list, &stats);
+    order->left |= stats.left_cell_count > 0;
     work += CELL_WORK * (double)(a->tet_count + stats.imaginary_cell_count) + LINK_WORK * (double)stats.link_count +
             LEFT_WORK * (double)stats.left_cell_count + PAIR_WORK * (double)stats.gap_candidate_count;
   }
@@ -289,7 +291,7 @@ static cellist_result consider(struct choice *choice, cellist_order *candidate, 
   cellist_order_destroy(choice->best);
   choice->best = candidate;
   choice->stats = *stats;
-  choice->is_good = candidate->work <= GOOD_ENOUGH;
+  choice->is_good = candidate->work <= GOOD_ENOUGH || !candidate->left;
   return CELLIST_SUCCESS;
 }
 

@@ -122,6 +122,15 @@ CELLIST_API void cellist_sorter_groups(const cellist_sorter *sorter, const celli
 CELLIST_API int cellist_sorter_compare(const cellist_sorter *sorter, const cellist_viewpoint *viewpoint, uint32_t a,
                                        uint32_t b);
 
+/* All pairs of some tets at once, such as a group's: matrix[i * count + j] is cellist_sorter_compare of cells[i] and
+ * cells[j]. On any one ray the members that it meets are in a total order, which these pairs tell.
+ * Arrays: cells [count] below tet_count; matrix [count * count] filled, the caller's.
+ * Errors: INVALID_ARGUMENT (NULL, an id out of range), OUT_OF_MEMORY.
+ * Threads: one call per context at a time. Cost: some microseconds for each pair whose boxes overlap as the eye sees
+ *   them, some nanoseconds for each other one; all pairs count as overlapping where the eye is among the cells. */
+CELLIST_API cellist_result cellist_sorter_compare_all(const cellist_sorter *sorter, const cellist_viewpoint *viewpoint,
+                                                      const uint32_t *cells, size_t count, int8_t *matrix);
+
 #ifdef __cplusplus
 }
 #endif
