@@ -47,10 +47,10 @@ static bool is_before(const sort_scene *scene, const struct faces *near, const s
 int cellist_sorter_compare(const cellist_sorter *sorter, const cellist_viewpoint *viewpoint, uint32_t a, uint32_t b) {
   if (a == b) return 0;
   const sort_scene scene = {
-      .eye = sort_eye_of(viewpoint), .positions = sorter->mesh.points, .around_eye = !viewpoint->parallel};
+      .eye = sort_eye_of(viewpoint), .positions = sorter->given.points, .around_eye = !viewpoint->parallel};
   struct faces of_a, of_b;
-  fill_faces(&sorter->mesh, &scene.eye, a, &of_a);
-  fill_faces(&sorter->mesh, &scene.eye, b, &of_b);
+  fill_faces(&sorter->given, &scene.eye, a, &of_a);
+  fill_faces(&sorter->given, &scene.eye, b, &of_b);
   return (int)is_before(&scene, &of_a, &of_b) - (int)is_before(&scene, &of_b, &of_a);
 }
 
@@ -117,15 +117,15 @@ cellist_result cellist_sorter_compare_all(const cellist_sorter *sorter, const ce
   if (viewpoint == NULL || ((cells == NULL || matrix == NULL) && count > 0))
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_sorter_compare_all: NULL");
   for (size_t i = 0; i < count; i++)
-    if (cells[i] >= sorter->mesh.tet_count)
-      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cell %u of %zu", cells[i], sorter->mesh.tet_count);
+    if (cells[i] >= sorter->given.tet_count)
+      return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cell %u of %zu", cells[i], sorter->given.tet_count);
   struct faces *faces = cellist_allocate(context, count, sizeof *faces);
   struct extent *extents = cellist_allocate(context, count, sizeof *extents);
   if (faces != NULL && extents != NULL) {
     const sort_scene scene = {
-        .eye = sort_eye_of(viewpoint), .positions = sorter->mesh.points, .around_eye = !viewpoint->parallel};
-    for (size_t i = 0; i < count; i++) fill_faces(&sorter->mesh, &scene.eye, cells[i], &faces[i]);
-    const bool has_picture = find_extents(&sorter->mesh, &scene.eye, cells, count, extents);
+        .eye = sort_eye_of(viewpoint), .positions = sorter->given.points, .around_eye = !viewpoint->parallel};
+    for (size_t i = 0; i < count; i++) fill_faces(&sorter->given, &scene.eye, cells[i], &faces[i]);
+    const bool has_picture = find_extents(&sorter->given, &scene.eye, cells, count, extents);
     for (size_t i = 0; i < count; i++) {
       matrix[i * count + i] = 0;
       for (size_t j = 0; j < i; j++) {

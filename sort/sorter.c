@@ -3,6 +3,7 @@
 #include "sorter.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "components.h"
 #include "convexity.h"
@@ -75,20 +76,32 @@ static cellist_result prepare_gaps(cellist_sorter *sorter) {
   cellist_result result = CELLIST_SUCCESS;
   sorter->has_complex = mesh.complex != NULL;
   if (sorter->has_complex) {
-    result = sort_complex_create(context, &mesh, &sorter->complex, &sorter->cells);
+    result = sort_complex_create(context, &mesh, sorter->subset.cut, &sorter->complex, &sorter->cells);
     if (result != CELLIST_SUCCESS) return result;
     sorter->queue = cellist_allocate(context, sorter->cells.count, sizeof *sorter->queue);
     if (sorter->queue == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
     if (sorter->complex.exposed != NULL) mesh.neighbours = sorter->complex.exposed;
   }
+  uint32_t *closed = NULL;
+  if (sorter->subset.ids != NULL) {
+    closed = cellist_allocate(context, mesh.tet_count, 4 * sizeof *closed);
+    if (closed == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+    memcpy(closed, mesh.neighbours, mesh.tet_count * 4 * sizeof *closed);
+    sort_subset_close_cuts(&sorter->subset, closed);
+    mesh.neighbours = closed;
+  }
   result = sort_gaps_create(context, &mesh, &sorter->gaps);
+  cellist_deallocate(context, closed);
   return result == CELLIST_SUCCESS ? sort_components_prepare(sorter) : result;
 }
 
-static cellist_result prepare(cellist_sorter *sorter) {
+static cellist_result prepare(cellist_sorter *sorter, const uint8_t *wanted) {
   cellist_context *context = sorter->context;
   cellist_result result = check_mesh(context, &sorter->mesh);
   if (result == CELLIST_SUCCESS) result = sort_is_convex(context, &sorter->mesh, &sorter->convex);
+  if (result == CELLIST_SUCCESS && wanted != NULL)
+    result = sort_subset_create(context, wanted, &sorter->mesh, &sorter->subset);
+  sorter->cells = sort_cells_of_mesh(&sorter->mesh);
   if (result == CELLIST_SUCCESS) result = prepare_gaps(sorter);
   if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->cells, &sorter->planes);
   if (result != CELLIST_SUCCESS) return result;
@@ -100,22 +113,39 @@ static cellist_result prepare(cellist_sorter *sorter) {
   return sorter->state != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
-cellist_result cellist_sorter_create(cellist_context *context, const cellist_sorter_desc *desc,
-                                     cellist_sorter **sorter) {
+static cellist_result create(cellist_context *context, const cellist_sorter_desc *desc, const uint8_t *wanted,
+                             cellist_sorter **sorter) {
   if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
   if (desc == NULL || sorter == NULL)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_sorter_create: desc or sorter is NULL");
   cellist_sorter *created = cellist_allocate_zeroed(context, 1, sizeof *created);
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   created->context = context;
-  created->mesh = *desc;
-  created->cells = sort_cells_of_mesh(desc);
-  const cellist_result result = prepare(created);
+  created->given = created->mesh = *desc;
+  created->given.complex = NULL;
+  const cellist_result result = prepare(created, wanted);
   if (result == CELLIST_SUCCESS)
     *sorter = created;
   else
     cellist_sorter_destroy(created);
   return result;
+}
+
+cellist_result cellist_sorter_create(cellist_context *context, const cellist_sorter_desc *desc,
+                                     cellist_sorter **sorter) {
+  return create(context, desc, NULL, sorter);
+}
+
+cellist_result cellist_sorter_create_subset(cellist_context *context, const cellist_sorter_desc *desc,
+                                            const uint8_t *wanted, cellist_sorter **sorter) {
+  if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
+  if (wanted == NULL)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_sorter_create_subset: wanted is NULL");
+  return create(context, desc, wanted, sorter);
+}
+
+size_t cellist_sorter_order_size(const cellist_sorter *sorter) {
+  return sorter->subset.ids != NULL ? sorter->subset.wanted_count : sorter->mesh.tet_count;
 }
 
 void cellist_sorter_destroy(cellist_sorter *sorter) {
@@ -126,6 +156,7 @@ void cellist_sorter_destroy(cellist_sorter *sorter) {
   sort_ends_release(context, &sorter->ends);
   cellist_deallocate(context, sorter->state);
   sort_complex_release(context, &sorter->complex);
+  sort_subset_release(context, &sorter->subset);
   cellist_deallocate(context, sorter->queue);
   cellist_deallocate(context, sorter->groups);
   cellist_deallocate(context, sorter->parts);
@@ -150,7 +181,7 @@ static size_t take_tets(const cellist_sorter *sorter, size_t queued, uint32_t *o
 cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint, uint32_t *order,
                                    cellist_sort_stats *stats) {
   if (sorter == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
-  if (viewpoint == NULL || (order == NULL && sorter->mesh.tet_count > 0))
+  if (viewpoint == NULL || (order == NULL && cellist_sorter_order_size(sorter) > 0))
     return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_sorter_sort: NULL");
   const double *at = viewpoint->position;
   if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2]))
@@ -159,7 +190,10 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
   if (viewpoint->parallel && at[0] == 0 && at[1] == 0 && at[2] == 0)
     return cellist_fail(sorter->context, CELLIST_ERROR_INVALID_ARGUMENT, "a parallel view without a direction");
   const sort_eye eye = sort_eye_of(viewpoint);
+  uint32_t *wanted_order = order;
+  if (sorter->subset.ids != NULL) order = sorter->subset.order;
   cellist_sort_stats found = {.exact = true,
+                              .sorted_tet_count = sorter->mesh.tet_count,
                               .imaginary_cell_count = sorter->complex.imaginary_count,
                               .link_count = sorter->complex.links.facet_count};
   sorter->group_count = 0;
@@ -183,6 +217,8 @@ cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoi
     sorter->group_count = 0;
     return result;
   }
+  if (sorter->subset.ids != NULL)
+    sorter->group_count = sort_subset_take(&sorter->subset, wanted_order, sorter->groups, sorter->group_count);
   sorter->is_current = true;
   sorter->viewpoint = *viewpoint;
   found.group_count = sorter->group_count;

@@ -10,6 +10,7 @@
 #include "ends.h"
 #include "gaps/gaps.h"
 #include "signs/signs.h"
+#include "subset.h"
 #include "view.h"
 
 /* A cell's state in one view: bits 0-3: the neighbour there lies in front; bits 4-6: how many neighbours behind it are
@@ -18,7 +19,9 @@ enum { SORT_PENDING = 16, SORT_PENDING_MASK = 0x70, SORT_HAS_ARCS = 0x80 };
 
 struct cellist_sorter {
   cellist_context *context;
-  cellist_sorter_desc mesh;
+  cellist_sorter_desc given; /* as the caller gave it */
+  cellist_sorter_desc mesh;  /* what is sorted: all of it, or the subset's */
+  sort_subset subset;
   sort_cells cells;
   bool convex; /* no gap anywhere: faces alone order the cells; gaps and complex are empty */
   bool has_complex;

@@ -14,6 +14,7 @@ struct build {
   cellist_context *context;
   const cellist_sorter_desc *mesh;
   const cellist_sorter_complex *from;
+  const uint8_t *cut;
   uint8_t *faces;    /* [2 facet_count] the tet's face there; NO_FACE for imaginary cells and the outside */
   uint8_t *uses;     /* [4 tet_count] how many facets a tet's face has, at most 255 */
   uint32_t *facets;  /* [imaginary cells] how many facets lead to another cell */
@@ -121,6 +122,7 @@ static cellist_result check_cover(const struct build *build) {
   const cellist_sorter_desc *mesh = build->mesh;
   for (size_t i = 0; i < 4 * mesh->tet_count; i++) {
     if (mesh->neighbours[i] != CELLIST_NONE || build->uses[i] > 0) continue;
+    if (build->cut != NULL && (build->cut[i / 4] >> (i % 4) & 1)) continue;
     if (!is_flat(mesh, (uint32_t)(i / 4)))
       return cellist_fail(build->context, CELLIST_ERROR_INVALID_ARGUMENT,
                           "the complex has no facet at face %zu of tet %zu", i % 4, i / 4);
@@ -233,9 +235,9 @@ static cellist_result take_facets(struct build *build, sort_complex *complex) {
   return sort_links_create(context, from, build->cell_count, links);
 }
 
-cellist_result sort_complex_create(cellist_context *context, const cellist_sorter_desc *mesh, sort_complex *complex,
-                                   sort_cells *cells) {
-  struct build build = {.context = context, .mesh = mesh, .from = mesh->complex};
+cellist_result sort_complex_create(cellist_context *context, const cellist_sorter_desc *mesh, const uint8_t *cut,
+                                   sort_complex *complex, sort_cells *cells) {
+  struct build build = {.context = context, .mesh = mesh, .cut = cut, .from = mesh->complex};
   cellist_result result = check_arrays(&build);
   if (result != CELLIST_SUCCESS) return result;
   const size_t imaginary_count = build.from->cell_count - mesh->tet_count;

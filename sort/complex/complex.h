@@ -43,11 +43,11 @@ typedef struct sort_complex {
   sort_links links;
 } sort_complex;
 
-/* Checks the arrays and fills a zeroed sort_complex and cells.
+/* Checks the arrays and fills a zeroed sort_complex and cells. cut: NULL, or as sort_subset: faces that need no facet.
  * Errors: INVALID_ARGUMENT (ids out of range, not this mesh's complex), OUT_OF_MEMORY; what is there can be released.
  */
-cellist_result sort_complex_create(cellist_context *context, const cellist_sorter_desc *mesh, sort_complex *complex,
-                                   sort_cells *cells);
+cellist_result sort_complex_create(cellist_context *context, const cellist_sorter_desc *mesh, const uint8_t *cut,
+                                   sort_complex *complex, sort_cells *cells);
 void sort_complex_release(cellist_context *context, sort_complex *complex);
 
 /* Makes the links' arrays from facets: planes of the complex and nodes, both sides each. Only links->facet_planes and

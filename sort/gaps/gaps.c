@@ -23,6 +23,10 @@ enum { CHUNK = 256 };
 /* At most this many cells a side in the grid; memory only. */
 enum { GRID_LIMIT = 1024 };
 
+/* Entries of the grid and arcs that there is room for, for each boundary face. More entries make the grid coarser, more
+ * arcs need more memory. */
+enum { ENTRIES_A_FACE = 8, ARCS_A_FACE = 8 };
+
 struct grid {
   uint32_t size;
   double origin[2], scale[2];
@@ -55,6 +59,24 @@ cellist_result sort_gaps_create(cellist_context *context, const cellist_sorter_d
   gaps->leaving = cellist_allocate(context, faces, sizeof *gaps->leaving);
   gaps->entering = cellist_allocate(context, faces, sizeof *gaps->entering);
   gaps->buffers = cellist_allocate_zeroed(context, gaps->worker_count, sizeof *gaps->buffers);
+  const size_t side = (size_t)ceil(sqrt((double)faces)) + 1, grid_size = side < GRID_LIMIT ? side : GRID_LIMIT;
+  gaps->cell_starts = cellist_allocate(context, grid_size * grid_size + 2, sizeof *gaps->cell_starts);
+  gaps->entry_capacity = ENTRIES_A_FACE * faces;
+  gaps->entries = cellist_allocate(context, gaps->entry_capacity, sizeof *gaps->entries);
+  gaps->chunks = cellist_allocate(context, faces / CHUNK + 1, sizeof *gaps->chunks);
+  gaps->pair_capacity = 2 * ARCS_A_FACE * faces;
+  gaps->pairs = cellist_allocate(context, gaps->pair_capacity, sizeof *gaps->pairs);
+  gaps->target_capacity = ARCS_A_FACE * faces;
+  gaps->targets = cellist_allocate(context, gaps->target_capacity, sizeof *gaps->targets);
+  if (gaps->cell_starts == NULL || gaps->entries == NULL || gaps->chunks == NULL || gaps->pairs == NULL ||
+      gaps->targets == NULL || gaps->buffers == NULL)
+    return CELLIST_ERROR_OUT_OF_MEMORY;
+  for (unsigned i = 0; i < gaps->worker_count; i++) { /* which worker finds how many is chance */
+    sort_gap_buffer *buffer = &gaps->buffers[i];
+    buffer->capacity = 4 * ARCS_A_FACE * faces / (gaps->worker_count + 1) + 64;
+    buffer->pairs = cellist_allocate(context, buffer->capacity, sizeof *buffer->pairs);
+    if (buffer->pairs == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  }
   const bool ok = gaps->rows != NULL && gaps->places != NULL && gaps->part_list != NULL && gaps->faces != NULL &&
                   gaps->vertices != NULL && gaps->is_listed != NULL && gaps->starts != NULL && gaps->pending != NULL &&
                   gaps->picture != NULL && gaps->sides != NULL && gaps->boxes != NULL && gaps->leaving != NULL &&
@@ -146,7 +168,7 @@ static sort_grid_entry make_entry(const sort_box *box, const struct cells *cells
 }
 
 /* Sorts faces into leaving and entering ones, and the entering ones into the grid. */
-static cellist_result make_grid(struct search *search) {
+static void make_grid(struct search *search) {
   sort_gaps *gaps = search->gaps;
   double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
   gaps->leaving_count = gaps->entering_count = 0;
@@ -166,26 +188,26 @@ static cellist_result make_grid(struct search *search) {
   struct grid *grid = &search->grid;
   const double size = ceil(sqrt((double)gaps->entering_count));
   grid->size = size < 1 ? 1 : size > GRID_LIMIT ? GRID_LIMIT : (uint32_t)size;
-  for (int k = 0; k < 2; k++) {
-    grid->origin[k] = low[k];
-    grid->scale[k] = high[k] > low[k] ? grid->size / (high[k] - low[k]) : 0;
-  }
-  const size_t cell_count = (size_t)grid->size * grid->size;
-  cellist_result result = sort_reserve(search->context, &gaps->cell_starts, &gaps->cell_start_capacity, 0,
-                                       cell_count + 2, sizeof(uint32_t));
-  if (result != CELLIST_SUCCESS) return result;
-  /* A counting sort; counts stand two ahead, so that filling leaves starts in place. */
   uint32_t *starts = gaps->cell_starts;
-  memset(starts, 0, (cell_count + 2) * sizeof *starts);
-  for (size_t i = 0; i < gaps->entering_count; i++) {
-    const struct cells cells = cells_of(grid, &gaps->boxes[gaps->entering[i]]);
-    for (uint32_t y = cells.low[1]; y <= cells.high[1]; y++)
-      for (uint32_t x = cells.low[0]; x <= cells.high[0]; x++) starts[(size_t)y * grid->size + x + 2]++;
+  size_t cell_count = 0;
+  for (;; grid->size /= 2) { /* coarser until the entries fit: with one cell there is one a face */
+    for (int k = 0; k < 2; k++) {
+      grid->origin[k] = low[k];
+      grid->scale[k] = high[k] > low[k] ? grid->size / (high[k] - low[k]) : 0;
+    }
+    cell_count = (size_t)grid->size * grid->size;
+    /* A counting sort; counts stand two ahead, so that filling leaves starts in place. */
+    memset(starts, 0, (cell_count + 2) * sizeof *starts);
+    size_t sum = 0;
+    for (size_t i = 0; i < gaps->entering_count && (sum <= gaps->entry_capacity || grid->size == 1); i++) {
+      const struct cells cells = cells_of(grid, &gaps->boxes[gaps->entering[i]]);
+      sum += (size_t)(cells.high[0] - cells.low[0] + 1) * (cells.high[1] - cells.low[1] + 1);
+      for (uint32_t y = cells.low[1]; y <= cells.high[1]; y++)
+        for (uint32_t x = cells.low[0]; x <= cells.high[0]; x++) starts[(size_t)y * grid->size + x + 2]++;
+    }
+    if (sum <= gaps->entry_capacity) break;
   }
   for (size_t i = 2; i < cell_count + 2; i++) starts[i] += starts[i - 1];
-  result = sort_reserve(search->context, &gaps->entries, &gaps->entry_capacity, 0, starts[cell_count + 1],
-                        sizeof *gaps->entries);
-  if (result != CELLIST_SUCCESS) return result;
   for (size_t i = 0; i < gaps->entering_count; i++) {
     const struct cells cells = cells_of(grid, &gaps->boxes[gaps->entering[i]]);
     const sort_grid_entry entry = make_entry(&gaps->boxes[gaps->entering[i]], &cells, gaps->entering[i]);
@@ -193,7 +215,6 @@ static cellist_result make_grid(struct search *search) {
       for (uint32_t x = cells.low[0]; x <= cells.high[0]; x++)
         gaps->entries[starts[(size_t)y * grid->size + x + 1]++] = entry;
   }
-  return CELLIST_SUCCESS;
 }
 
 static cellist_result add_pair(cellist_context *context, sort_gap_buffer *buffer, uint32_t far, uint32_t near) {
@@ -250,11 +271,8 @@ static void search_range(void *user, size_t begin, size_t end, unsigned worker) 
 static cellist_result search_picture(struct search *search) {
   sort_gaps *gaps = search->gaps;
   cellist_parallel_for(search->context, gaps->face_count, 4 * CHUNK, find_boxes, search);
-  cellist_result result = make_grid(search);
-  if (result != CELLIST_SUCCESS) return result;
+  make_grid(search);
   const size_t chunk_count = (gaps->leaving_count + CHUNK - 1) / CHUNK;
-  result = sort_reserve(search->context, &gaps->chunks, &gaps->chunk_capacity, 0, chunk_count, sizeof *gaps->chunks);
-  if (result != CELLIST_SUCCESS) return result;
   for (unsigned i = 0; i < gaps->worker_count; i++) {
     gaps->buffers[i].count = gaps->buffers[i].candidate_count = 0;
     gaps->buffers[i].result = CELLIST_SUCCESS;
@@ -266,8 +284,8 @@ static cellist_result search_picture(struct search *search) {
     found += gaps->buffers[i].count;
     gaps->candidate_count += gaps->buffers[i].candidate_count;
   }
-  result = sort_reserve(search->context, &gaps->pairs, &gaps->pair_capacity, 2 * gaps->arc_count,
-                        2 * (gaps->arc_count + found), sizeof *gaps->pairs);
+  const cellist_result result = sort_reserve(search->context, &gaps->pairs, &gaps->pair_capacity, 2 * gaps->arc_count,
+                                             2 * (gaps->arc_count + found), sizeof *gaps->pairs);
   if (result != CELLIST_SUCCESS) return result;
   for (size_t i = 0; i < chunk_count; i++) {
     const sort_gap_chunk *chunk = &gaps->chunks[i];

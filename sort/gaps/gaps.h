@@ -59,11 +59,10 @@ typedef struct sort_gaps {
   size_t leaving_count, entering_count;
   uint32_t *cell_starts; /* the grid: entering faces by cell */
   sort_grid_entry *entries;
-  size_t cell_start_capacity, entry_capacity;
+  size_t entry_capacity;
   unsigned worker_count;
   sort_gap_buffer *buffers; /* [worker_count] */
   sort_gap_chunk *chunks;
-  size_t chunk_capacity;
 } sort_gaps;
 
 /* Fills a zeroed sort_gaps. Errors: OUT_OF_MEMORY (what is there can be released). */

@@ -63,6 +63,7 @@ typedef struct cellist_sort_stats {
   size_t largest_group; /* cells */
   size_t cells_in_groups;
   size_t exact_sign_count;     /* faces so nearly in line with the eye that floating point could not decide */
+  size_t sorted_tet_count;     /* all of the mesh's, or those that a subset needs */
   size_t imaginary_cell_count; /* sorted with the tets, and not in the order */
   size_t link_count;           /* facets of imaginary cells with more than four neighbours */
   size_t left_cell_count;      /* tets that no topological sort could put in order: cycles and what lies in front */
@@ -86,6 +87,17 @@ typedef struct cellist_group {
 CELLIST_API cellist_result cellist_sorter_create(cellist_context *context, const cellist_sorter_desc *desc,
                                                  cellist_sorter **sorter);
 
+/* Makes a sorter of some tets alone. To put these in order it suffices to sort the cells that meet a convex region
+ * which holds them: the smallest box around them. Arrays: as above; wanted [tet_count]: not 0 for the tets that orders
+ * are to hold, read during the call only. Orders have cellist_sorter_order_size entries, by the ids of the whole mesh,
+ * and are right for every ray as ever. Errors, threads, cost: as above; a sort then costs what the tets in the box and
+ * all imaginary cells cost. */
+CELLIST_API cellist_result cellist_sorter_create_subset(cellist_context *context, const cellist_sorter_desc *desc,
+                                                        const uint8_t *wanted, cellist_sorter **sorter);
+
+/* How many entries an order has: tet_count, or the number of wanted tets. Threads: any. */
+CELLIST_API size_t cellist_sorter_order_size(const cellist_sorter *sorter);
+
 /* Frees the sorter; NULL is legal. */
 CELLIST_API void cellist_sorter_destroy(cellist_sorter *sorter);
 
@@ -94,11 +106,11 @@ CELLIST_API bool cellist_sorter_is_convex(const cellist_sorter *sorter);
 
 /* Writes the order of all tets for one view: of two cells on one ray the farther one comes first, unless both
  * are in one group. A face whose plane holds the eye puts neither of its cells first: no ray crosses it.
- * Arrays: order has tet_count entries and is the caller's; stats may be NULL.
+ * Arrays: order has cellist_sorter_order_size entries and is the caller's; stats may be NULL.
  * Errors: INVALID_ARGUMENT (NULL, a position that is not finite, a direction of length 0), OUT_OF_MEMORY.
  * Threads: one call per sorter at a time, using the context's workers; the same order for any number of workers.
- * Cost: see the module's README. Memory is made by cellist_sorter_create and the first call; later calls allocate only
- *   where a view has more than twice the gap arcs of those before, or a convex mesh has cycles. */
+ * Cost: see the module's README. A sort allocates nothing, unless a view has more than eight gap arcs a boundary face
+ * or a convex mesh turns out to have cycles. */
 CELLIST_API cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint,
                                                uint32_t *order, cellist_sort_stats *stats);
 
