@@ -69,6 +69,28 @@ static cellist_preintegration_desc desc_of(const gl_tables_use *use) {
   return desc;
 }
 
+/* Where extinction turns at a knot, linear interpolation between nodes is off by up to this share of the largest
+ * extinction before a table is said to be too coarse. */
+static const double COARSE = 0.05;
+
+/* A spike or a step between two nodes is smeared over both. */
+static bool is_too_coarse(const cellist_transfer *transfer, const cellist_preintegration_desc *desc) {
+  const double step = (desc->maximum - desc->minimum) / (desc->scalar_count - 1);
+  const cellist_transfer_knot *knots = transfer->knots;
+  double largest = 0, turn = 0, last_slope = 0;
+  for (size_t i = 0; i < transfer->knot_count; i++) {
+    if (knots[i].value < desc->minimum || knots[i].value > desc->maximum) continue;
+    const bool is_last = i + 1 == transfer->knot_count;
+    const double rise = is_last ? 0 : knots[i + 1].extinction - knots[i].extinction;
+    const double slope = rise == 0 ? 0 : rise / (knots[i + 1].value - knots[i].value);
+    largest = fmax(largest, knots[i].extinction);
+    turn = fmax(turn, fabs(slope - last_slope));
+    last_slope = slope;
+  }
+  /* A turn of the slope in the middle between two nodes is cut by a quarter of it times their distance. */
+  return 0.25 * turn * step > COARSE * largest;
+}
+
 static cellist_result prepare_preintegration(cellist_context *context, const gl_api *api, const gl_tables_use *use,
                                              gl_tables *tables) {
   const cellist_preintegration_desc desc = desc_of(use);
@@ -103,6 +125,11 @@ static cellist_result prepare_preintegration(cellist_context *context, const gl_
   tables->transfer = transfer;
   tables->desc = desc;
   upload(api, tables);
+  if (is_too_coarse(&transfer, &desc))
+    cellist_log(context, CELLIST_LOG_WARNING,
+                "the transfer function has spikes or steps within the distance of two of the tables' %u scalars, which "
+                "smear them; exact and psi integration do not",
+                desc.scalar_count);
   return CELLIST_SUCCESS;
 }
 
