@@ -109,6 +109,7 @@ static cellist_result draw_without_plan(cellist_context *context, const cellist_
 static cellist_pipeline_desc pipeline_desc(const struct render_options *options, const char *source) {
   cellist_pipeline_desc desc = {.source = source, .no_plan = options->no_plan};
   if (strcmp(options->renderer, "faces") == 0) desc.renderer = CELLIST_RENDERER_FACES;
+  if (strcmp(options->renderer, "fan") == 0) desc.renderer = CELLIST_RENDERER_FAN;
   if (strcmp(options->renderer, "soft") == 0) desc.renderer = CELLIST_RENDERER_SOFT;
   if (strcmp(options->renderer, "cast") == 0) desc.renderer = CELLIST_RENDERER_CAST;
   if (strcmp(options->backend, "osmesa") == 0) desc.backend = CELLIST_BACKEND_OSMESA;
@@ -143,15 +144,16 @@ int command_render(int argc, char **argv) {
       {"o", "IMAGE", "where to, .exr or .png; may be repeated; - is EXR on standard output", OPTION_TEXTS,
        &options.outputs},
       {"size", "WxH", "pixels (512x512)", OPTION_SIZE, options.size},
-      {"renderer", "auto|faces|soft|cast", "how: cell projection with or without OpenGL, or ray casting (auto)",
-       OPTION_CHOICE, &options.renderer},
+      {"renderer", "auto|faces|fan|soft|cast",
+       "how: cell projection with OpenGL (per pixel, by triangles) or without, or ray casting (auto)", OPTION_CHOICE,
+       &options.renderer},
       {"precision", "fast|reference", "of cast: single precision, or double with a proved bound (fast)", OPTION_CHOICE,
        &options.precision},
       {"tets", "32|20|16", "of cast, fast: bytes a cell of the compact mesh (the fastest layout)", OPTION_CHOICE,
        &options.tets},
       {"context", "auto|osmesa|egl|glfw", "where OpenGL comes from; glfw needs a display (auto)", OPTION_CHOICE,
        &options.backend},
-      {"framebuffer", "32f|16f|8", "of faces: bits of a colour that cells are blended in (32f)", OPTION_CHOICE,
+      {"framebuffer", "32f|16f|8", "of faces, fan: bits of a colour that cells are blended in (32f)", OPTION_CHOICE,
        &options.framebuffer},
       {"background", "R,G,B", "what PNG pictures are laid over, linear 0..1 (nothing: transparent)", OPTION_NUMBERS,
        &options.background},

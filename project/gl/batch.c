@@ -4,8 +4,8 @@
 #include "renderer.h"
 
 /* Cuts the order into pieces: each small group is one, the cells between them are some. */
-static cellist_result make_pieces(cellist_gl *gl, size_t count, const cellist_gl_group *groups, size_t group_count,
-                                  size_t *piece_count) {
+static cellist_result make_pieces(cellist_gl *gl, bool as_fans, size_t count, const cellist_gl_group *groups,
+                                  size_t group_count, size_t *piece_count) {
   const size_t most = count / GL_CELLS_GRAIN + 2 + 2 * group_count;
   if (most > gl->piece_capacity) {
     gl_piece *grown = cellist_reallocate(gl->context, gl->pieces, gl->piece_capacity, most, sizeof *grown);
@@ -13,6 +13,8 @@ static cellist_result make_pieces(cellist_gl *gl, size_t count, const cellist_gl
     gl->pieces = grown;
     gl->piece_capacity = most;
   }
+  if (gl->runs == NULL) gl->runs = cellist_allocate(gl->context, gl->chunk_cells, sizeof *gl->runs);
+  if (gl->runs == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   size_t made = 0, group = 0;
   for (size_t begin = 0; begin < count;) {
     const bool is_group = group < group_count && groups[group].begin == begin;
@@ -21,7 +23,10 @@ static cellist_result make_pieces(cellist_gl *gl, size_t count, const cellist_gl
       group++;
     else if (end - begin > GL_CELLS_GRAIN)
       end = begin + GL_CELLS_GRAIN;
-    gl->pieces[made++] = (gl_piece){.begin = (uint32_t)begin, .count = (uint32_t)(end - begin), .is_group = is_group};
+    gl->pieces[made++] = (gl_piece){.begin = (uint32_t)begin,
+                                    .count = (uint32_t)(end - begin),
+                                    .is_group = is_group,
+                                    .as_fans = as_fans && !is_group};
     begin = end;
   }
   *piece_count = made;
@@ -42,53 +47,75 @@ static bool unmap_buffer(const gl_api *api, GLenum target, GLuint buffer, const 
   return api->UnmapBuffer(target);
 }
 
-cellist_result gl_batch_send(gl_drawing *drawing, const uint32_t *order, size_t count, const cellist_gl_group *groups,
-                             size_t group_count, size_t *piece_count) {
+cellist_result gl_batch_send(gl_drawing *drawing, gl_stage stage, const uint32_t *order, size_t count,
+                             const cellist_gl_group *groups, size_t group_count, size_t *piece_count) {
   cellist_gl *gl = drawing->gl;
   const gl_api *api = &gl->api;
   const bool lit = drawing->cells.light.gradients != NULL;
-  cellist_result result = make_pieces(gl, count, groups, group_count, piece_count);
+  const bool fans = stage == GL_STAGE_FAN;
+  cellist_result result = make_pieces(gl, fans, count, groups, group_count, piece_count);
   if (result != CELLIST_SUCCESS) return result;
   gl_cells_output output = {
       .records = map_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, count * sizeof *output.records),
       .extras = map_buffer(api, GL_TEXTURE_BUFFER, gl->extra_buffer, count * sizeof *output.extras),
       .corners =
-          map_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, count * 3 * GL_CELLS_TRIANGLES * sizeof *output.corners)};
+          map_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, count * 3 * GL_CELLS_TRIANGLES * sizeof *output.corners),
+      .runs = gl->runs};
   if (lit) output.lights = map_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, count * sizeof *output.lights);
-  if (output.records != NULL && output.extras != NULL && output.corners != NULL && lit == (output.lights != NULL))
+  if (fans)
+    output.fan_corners =
+        map_buffer(api, GL_ARRAY_BUFFER, gl->fan_buffer, count * 3 * GL_FAN_TRIANGLES * sizeof *output.fan_corners);
+  if (output.records != NULL && output.extras != NULL && output.corners != NULL && lit == (output.lights != NULL) &&
+      fans == (output.fan_corners != NULL))
     gl_cells_prepare(&drawing->cells, order, gl->pieces, *piece_count, &output);
   bool kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, output.records);
   kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->extra_buffer, output.extras) && kept;
   kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, output.corners) && kept;
   if (lit) kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, output.lights) && kept;
+  if (fans) kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->fan_buffer, output.fan_corners) && kept;
   if (!kept) return cellist_fail(gl->context, CELLIST_ERROR_OUT_OF_MEMORY, "OpenGL has no buffer for %zu cells", count);
   for (size_t i = 0; i < *piece_count; i++) {
     drawing->stats.cell_count += gl->pieces[i].cell_count;
-    drawing->stats.triangle_count += gl->pieces[i].corner_count / 3;
+    drawing->stats.triangle_count += gl->pieces[i].triangle_count;
+    drawing->stats.left_count += gl->pieces[i].left_count;
     drawing->stats.group_count += gl->pieces[i].is_group;
   }
   return CELLIST_SUCCESS;
 }
 
-cellist_result gl_batch_draw(gl_drawing *drawing, size_t piece_count, gl_stage stage) {
-  enum { RUN = 64 };
-  cellist_gl *gl = drawing->gl;
-  GLint begins[RUN];
-  GLsizei sizes[RUN];
-  gl->api.BindVertexArray(gl->vertices);
-  for (size_t i = 0; i < piece_count;) {
-    const bool is_group = gl->pieces[i].is_group;
-    GLsizei draws = 0;
-    for (; i < piece_count && gl->pieces[i].is_group == is_group && draws < RUN; i++) {
-      const gl_piece *piece = &gl->pieces[i];
-      if (piece->corner_count == 0) continue;
-      begins[draws] = (GLint)(piece->begin * 3 * GL_CELLS_TRIANGLES);
-      sizes[draws++] = (GLsizei)piece->corner_count;
-    }
-    if (draws == 0) continue;
-    const cellist_result result = gl_use_stage(drawing, is_group ? GL_STAGE_SMALL_GROUP : stage);
-    if (result != CELLIST_SUCCESS) return result;
-    gl->api.MultiDrawArrays(GL_TRIANGLES, begins, sizes, draws);
-  }
+/* Runs that one call draws. */
+struct call {
+  gl_stage stage;
+  GLint begins[64];
+  GLsizei sizes[64], count;
+};
+
+static cellist_result flush(gl_drawing *drawing, struct call *call) {
+  if (call->count == 0) return CELLIST_SUCCESS;
+  const cellist_gl *gl = drawing->gl;
+  const cellist_result result = gl_use_stage(drawing, call->stage);
+  if (result != CELLIST_SUCCESS) return result;
+  gl->api.BindVertexArray(call->stage == GL_STAGE_FAN ? gl->fan_vertices : gl->vertices);
+  gl->api.MultiDrawArrays(GL_TRIANGLES, call->begins, call->sizes, call->count);
+  call->count = 0;
   return CELLIST_SUCCESS;
+}
+
+cellist_result gl_batch_draw(gl_drawing *drawing, size_t piece_count, gl_stage stage) {
+  const cellist_gl *gl = drawing->gl;
+  struct call call = {.count = 0};
+  cellist_result result = CELLIST_SUCCESS;
+  for (size_t i = 0; i < piece_count; i++)
+    for (size_t k = 0; k < gl->pieces[i].run_count && result == CELLIST_SUCCESS; k++) {
+      const gl_run *run = &gl->runs[gl->pieces[i].begin + k];
+      const gl_stage wanted = gl->pieces[i].is_group  ? GL_STAGE_SMALL_GROUP
+                              : run->is_fan           ? GL_STAGE_FAN
+                              : stage == GL_STAGE_FAN ? GL_STAGE_BLEND
+                                                      : stage;
+      if (wanted != call.stage || call.count == 64) result = flush(drawing, &call);
+      call.stage = wanted;
+      call.begins[call.count] = (GLint)run->first;
+      call.sizes[call.count++] = (GLsizei)run->count;
+    }
+  return result == CELLIST_SUCCESS ? flush(drawing, &call) : result;
 }

@@ -6,6 +6,7 @@
 #include <cellist/mesh.h>
 #include <cellist/view.h>
 
+#include "fan.h"
 #include "footprint.h"
 #include "intervals.h"
 #include "light.h"
@@ -46,10 +47,18 @@ typedef struct gl_cells {
 typedef struct gl_piece {
   uint32_t begin, count; /* of the order that is prepared */
   bool is_group;
-  /* Filled in by gl_cells_prepare: corners of triangles, cells that show something, and where (-1..1). */
-  uint32_t corner_count, cell_count;
+  bool as_fans; /* cells without wild corners are drawn as fans */
+  /* Filled in by gl_cells_prepare: runs, triangles, cells that show something, those of them that as_fans left to
+   * footprints, and where the footprints are (-1..1). */
+  uint32_t run_count, triangle_count, cell_count, left_count;
   float low[2], high[2];
 } gl_piece;
+
+/* Corners of triangles of one kind. */
+typedef struct gl_run {
+  uint32_t first, count;
+  bool is_fan;
+} gl_run;
 
 /* What some records have beside them; written only where a record has faces seen edge-on or lies in a small group.
  * lines: for each of the record's first three corners whose opposite face is seen edge-on, the line of its picture:
@@ -65,7 +74,9 @@ typedef struct gl_cells_output {
   float (*records)[GL_RECORD_FLOATS];
   float (*lights)[GL_LIGHT_FLOATS]; /* if the light has gradients at points; else NULL */
   gl_extra *extras;
-  gl_corner *corners; /* three for each of GL_CELLS_TRIANGLES triangles */
+  gl_corner *corners;         /* three for each of GL_CELLS_TRIANGLES triangles */
+  gl_fan_corner *fan_corners; /* three for each of GL_FAN_TRIANGLES triangles, if a piece wants fans */
+  gl_run *runs;
 } gl_cells_output;
 
 cellist_result gl_cells_mesh_make(cellist_context *context, const cellist_mesh *mesh, const cellist_scalar *scalar,
@@ -79,8 +90,8 @@ cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mes
 void gl_cells_release(gl_cells *cells);
 
 /* Prepares the pieces of order: record i is that of order[i], if it shows anything; in a group the others get one of
- * which the last interval lies before the first one. The triangles of a piece that begins at b go to
- * output->corners + 3 GL_CELLS_TRIANGLES b. */
+ * which the last interval lies before the first one. The runs of a piece that begins at b stand from output->runs + b
+ * on, its corners from output->corners + 3 GL_CELLS_TRIANGLES b and output->fan_corners + 3 GL_FAN_TRIANGLES b. */
 void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, gl_piece *pieces, size_t piece_count,
                       const gl_cells_output *output);
 

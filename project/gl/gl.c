@@ -71,6 +71,19 @@ static cellist_result set_up(cellist_gl *gl) {
   api->BindBuffer(GL_ARRAY_BUFFER, gl->corner_buffer);
   api->EnableVertexAttribArray(0);
   api->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+  api->GenVertexArrays(1, &gl->fan_vertices);
+  api->BindVertexArray(gl->fan_vertices);
+  api->GenBuffers(1, &gl->fan_buffer);
+  api->BindBuffer(GL_ARRAY_BUFFER, gl->fan_buffer);
+  static const struct {
+    GLint size;
+    size_t offset;
+  } attributes[] = {{3, 0}, {4, offsetof(gl_fan_corner, front)}, {1, offsetof(gl_fan_corner, thickness)}};
+  for (GLuint i = 0; i < 3; i++) {
+    api->EnableVertexAttribArray(i);
+    api->VertexAttribPointer(i, attributes[i].size, GL_FLOAT, GL_FALSE, sizeof(gl_fan_corner),
+                             (const void *)attributes[i].offset);
+  }
   return gl_check_errors(gl, "setting up");
 }
 
@@ -110,7 +123,7 @@ static void release_objects(cellist_gl *gl) {
   const GLuint textures[] = {gl->record_texture, gl->extra_texture, gl->interval_texture, gl->light_texture};
   const GLuint buffers[] = {gl->record_buffer, gl->extra_buffer, gl->interval_buffer, gl->light_buffer,
                             gl->corner_buffer};
-  const GLuint arrays[] = {gl->vertices, gl->no_vertices};
+  const GLuint arrays[] = {gl->vertices, gl->fan_vertices, gl->no_vertices};
   api->DeleteTextures(sizeof textures / sizeof *textures, textures);
   api->DeleteVertexArrays(sizeof arrays / sizeof *arrays, arrays);
   api->DeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
@@ -130,6 +143,7 @@ void cellist_gl_destroy(cellist_gl *gl) {
   gl_cells_mesh_release(gl->context, &gl->mesh);
   cellist_deallocate(gl->context, gl->gradients);
   cellist_deallocate(gl->context, gl->pieces);
+  cellist_deallocate(gl->context, gl->runs);
   cellist_deallocate(gl->context, gl->device_name);
   cellist_deallocate(gl->context, gl);
 }
@@ -201,6 +215,11 @@ static cellist_result check_arguments(cellist_gl *gl, const cellist_frame *frame
   if (settings->optics.sample_count > 4)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "a segment has 1 to 4 samples, not %u",
                         settings->optics.sample_count);
+  if ((unsigned)settings->method > CELLIST_GL_FAN)
+    return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no method has the number %d", (int)settings->method);
+  if (settings->method == CELLIST_GL_FAN && light->enabled && !light->cell_gradients)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
+                        "fans are lit by one gradient a cell only; faces by gradients at points too");
   if ((unsigned)settings->framebuffer > CELLIST_FRAMEBUFFER_8)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no framebuffer has the number %d",
                         (int)settings->framebuffer);
@@ -223,8 +242,9 @@ static cellist_result draw_range(gl_drawing *drawing, const uint32_t *order, siz
       }
       inside[used] = (cellist_gl_group){groups[used].begin - begin, groups[used].count};
     }
-    cellist_result result = gl_batch_send(drawing, order + begin, to - begin, inside, used, &pieces);
-    if (result == CELLIST_SUCCESS) result = gl_batch_draw(drawing, pieces, GL_STAGE_BLEND);
+    const gl_stage stage = drawing->settings->method == CELLIST_GL_FAN ? GL_STAGE_FAN : GL_STAGE_BLEND;
+    cellist_result result = gl_batch_send(drawing, stage, order + begin, to - begin, inside, used, &pieces);
+    if (result == CELLIST_SUCCESS) result = gl_batch_draw(drawing, pieces, stage);
     if (result == CELLIST_SUCCESS)
       result = cellist_progress(gl->context, "drawing", (double)begin / (double)drawing->order_count);
     if (result != CELLIST_SUCCESS) return result;

@@ -42,7 +42,7 @@ void gl_groups_release(cellist_gl *gl) {
 }
 
 static cellist_result send(struct group *group, size_t begin, size_t count) {
-  return gl_batch_send(group->drawing, group->members + begin, count, NULL, 0, &group->piece_count);
+  return gl_batch_send(group->drawing, GL_STAGE_BLEND, group->members + begin, count, NULL, 0, &group->piece_count);
 }
 
 /* Draws every member; a group that is one batch was sent before. */

@@ -14,6 +14,7 @@
 /* What a program does with a fragment of a cell (or, to resolve, with a pixel). */
 typedef enum gl_stage {
   GL_STAGE_BLEND,         /* blends it over what is behind it */
+  GL_STAGE_FAN,           /* the same, of fans */
   GL_STAGE_SMALL_GROUP,   /* composites the whole small group */
   GL_STAGE_LIST,          /* appends it to its pixel's list */
   GL_STAGE_LIST_RESOLVE,  /* blends the lists */
@@ -69,8 +70,8 @@ struct cellist_gl {
   gl_target target;
   gl_limits limits;
   GLuint programs[GL_STAGE_COUNT][GL_INTEGRATOR_COUNT][GL_VARIANT_COUNT];
-  GLuint query, vertices, no_vertices;
-  GLuint corner_buffer;
+  GLuint query, vertices, fan_vertices, no_vertices;
+  GLuint corner_buffer, fan_buffer;
   GLuint record_buffer, record_texture;
   GLuint extra_buffer, extra_texture;
   GLuint interval_buffer, interval_texture;
@@ -79,6 +80,7 @@ struct cellist_gl {
   double longest;   /* edge of the mesh; negative: not known yet */
   gl_piece *pieces; /* [piece_capacity] */
   size_t piece_capacity;
+  gl_run *runs; /* [chunk_cells] */
   gl_lists lists;
   gl_layers layers;
 };
@@ -117,11 +119,12 @@ cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage);
 /* Fails with the first error that OpenGL has recorded; what: was being done. */
 cellist_result gl_check_errors(cellist_gl *gl, const char *what);
 
-/* Prepares order[0..count) (at most gl->chunk_cells) with its small groups and sends it; group begins count from
- * order. */
-cellist_result gl_batch_send(gl_drawing *drawing, const uint32_t *order, size_t count, const cellist_gl_group *groups,
-                             size_t group_count, size_t *piece_count);
-/* Draws what was sent: cells with the given stage, small groups with theirs. */
+/* Prepares order[0..count) (at most gl->chunk_cells) with its small groups for a stage and sends it; group begins count
+ * from order. */
+cellist_result gl_batch_send(gl_drawing *drawing, gl_stage stage, const uint32_t *order, size_t count,
+                             const cellist_gl_group *groups, size_t group_count, size_t *piece_count);
+/* Draws what was sent: cells with the given stage (GL_STAGE_FAN: those that have no fan blended), small groups with
+ * theirs. */
 cellist_result gl_batch_draw(gl_drawing *drawing, size_t piece_count, gl_stage stage);
 
 /* Whether a group's members are told apart by gl_batch_draw. */

@@ -6,9 +6,9 @@
 #include "renderer.h"
 
 extern const char cellist_text_faces_vert[], cellist_text_everywhere_vert[], cellist_text_segment_glsl[],
-    cellist_text_cell_glsl[], cellist_text_faces_frag[], cellist_text_small_groups_frag[],
-    cellist_text_list_nodes_glsl[], cellist_text_list_frag[], cellist_text_list_resolve_frag[],
-    cellist_text_layer_frag[], cellist_text_layer_resolve_frag[];
+    cellist_text_cell_glsl[], cellist_text_fan_vert[], cellist_text_fan_glsl[], cellist_text_faces_frag[],
+    cellist_text_small_groups_frag[], cellist_text_list_nodes_glsl[], cellist_text_list_frag[],
+    cellist_text_list_resolve_frag[], cellist_text_layer_frag[], cellist_text_layer_resolve_frag[];
 
 static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integrator, unsigned variant,
                             GLuint *program) {
@@ -16,6 +16,7 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
     const char *nodes, *main;
   } stages[GL_STAGE_COUNT] = {
       [GL_STAGE_BLEND] = {NULL, cellist_text_faces_frag},
+      [GL_STAGE_FAN] = {NULL, cellist_text_faces_frag},
       [GL_STAGE_SMALL_GROUP] = {NULL, cellist_text_small_groups_frag},
       [GL_STAGE_LIST] = {cellist_text_list_nodes_glsl, cellist_text_list_frag},
       [GL_STAGE_LIST_RESOLVE] = {cellist_text_list_nodes_glsl, cellist_text_list_resolve_frag},
@@ -23,7 +24,11 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
       [GL_STAGE_LAYER_RESOLVE] = {NULL, cellist_text_layer_resolve_frag},
   };
   const bool of_pixels = stage == GL_STAGE_LIST_RESOLVE || stage == GL_STAGE_LAYER_RESOLVE;
-  const char *const vertex[] = {of_pixels ? cellist_text_everywhere_vert : cellist_text_faces_vert, NULL};
+  const bool of_fans = stage == GL_STAGE_FAN;
+  const char *const vertex[] = {of_pixels ? cellist_text_everywhere_vert
+                                : of_fans ? cellist_text_fan_vert
+                                          : cellist_text_faces_vert,
+                                NULL};
   const char *fragment[GL_INTEGRATOR_TEXTS + 4], *before = "";
   size_t count = 0;
   if (stages[stage].nodes != NULL) fragment[count++] = stages[stage].nodes;
@@ -31,7 +36,7 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
     before = gl_integrator_texts(integrator, variant & GL_VARIANT_LIT, &fragment[count]);
     while (fragment[count] != NULL) count++;
     fragment[count++] = cellist_text_segment_glsl;
-    fragment[count++] = cellist_text_cell_glsl;
+    fragment[count++] = of_fans ? cellist_text_fan_glsl : cellist_text_cell_glsl;
   }
   fragment[count++] = stages[stage].main;
   fragment[count] = NULL;

@@ -28,8 +28,12 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   static const char *const names[] = {"32f", "16f", "8"};
   const bool maximum = pipeline->desc.optics.model.model == CELLIST_MODEL_MAXIMUM;
   const cellist_framebuffer framebuffer = maximum ? CELLIST_FRAMEBUFFER_32F : pipeline->desc.framebuffer;
-  const cellist_gl_settings settings = {
-      .optics = pipeline->desc.optics.model, .framebuffer = framebuffer, .groups = groups, .group_count = group_count};
+  const bool fan = pipeline->renderer == CELLIST_RENDERER_FAN;
+  const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model,
+                                        .framebuffer = framebuffer,
+                                        .groups = groups,
+                                        .group_count = group_count,
+                                        .method = fan ? CELLIST_GL_FAN : CELLIST_GL_FACES};
   cellist_gl_stats drawn;
   const double begin = pipeline_seconds();
   result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order, pipeline->order_count,
@@ -37,7 +41,7 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   cellist_deallocate(pipeline->context, groups);
   if (result != CELLIST_SUCCESS) return result;
   stats->draw_seconds = pipeline_seconds() - begin;
-  stats->renderer = "faces";
+  stats->renderer = fan ? "fan" : "faces";
   stats->method = pipeline_name_method(pipeline);
   stats->precision = "fast";
   stats->backend = cellist_gl_backend_name(pipeline->gl);

@@ -56,7 +56,8 @@ static void warn_of_method(const cellist_pipeline *pipeline) {
 
 static cellist_result make_renderer(cellist_pipeline *pipeline) {
   switch (pipeline->renderer) {
-    case CELLIST_RENDERER_FACES: return pipeline_make_gl(pipeline);
+    case CELLIST_RENDERER_FACES:
+    case CELLIST_RENDERER_FAN: return pipeline_make_gl(pipeline);
     case CELLIST_RENDERER_SOFT: return pipeline_make_soft(pipeline);
     default: return pipeline_make_cast(pipeline);
   }
@@ -65,7 +66,8 @@ static cellist_result make_renderer(cellist_pipeline *pipeline) {
 static cellist_result draw_frame(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
                                  cellist_pipeline_stats *stats) {
   switch (pipeline->renderer) {
-    case CELLIST_RENDERER_FACES: return pipeline_draw_gl(pipeline, frame, image, stats);
+    case CELLIST_RENDERER_FACES:
+    case CELLIST_RENDERER_FAN: return pipeline_draw_gl(pipeline, frame, image, stats);
     case CELLIST_RENDERER_SOFT: return pipeline_draw_soft(pipeline, frame, image, stats);
     default: return pipeline_draw_cast(pipeline, frame, image, stats);
   }

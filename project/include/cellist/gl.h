@@ -54,6 +54,14 @@ CELLIST_API const char *cellist_gl_device_name(const cellist_gl *gl);
  * Threads: one call per renderer at a time. Cost: linear in points and tets. */
 CELLIST_API cellist_result cellist_gl_upload(cellist_gl *gl, const cellist_mesh *mesh, const cellist_scalar *scalar);
 
+/* How cells are projected. */
+typedef enum cellist_gl_method {
+  CELLIST_GL_FACES, /* on each pixel by the planes of the cell's faces: exact to rounding */
+  CELLIST_GL_FAN    /* as fans of triangles around the thick vertex (Shirley and Tuchman), in perspective: up to 1/256
+                       pixel off where OpenGL moves corners. Cells with a corner beside or behind the eye, and those in
+                       groups, are drawn as faces. No light by gradients at points */
+} cellist_gl_method;
+
 /* {0} is the default: emission and absorption, floats. Every model is drawn, lit by one gradient a cell or by gradients
  * at points; maximum intensity always in floats. Emission, absorption and maximum intensity need no order: any
  * will do. */
@@ -64,6 +72,7 @@ typedef struct cellist_gl_settings {
   size_t group_count;
   cellist_gl_group_method group_method;
   const cellist_surface *surface; /* stands in the picture; NULL: none */
+  cellist_gl_method method;
 } cellist_gl_settings;
 
 /* What a render did. */
@@ -71,6 +80,7 @@ typedef struct cellist_gl_stats {
   uint64_t cell_count;     /* cells of the order that can show something */
   uint64_t triangle_count; /* that their footprints were drawn with */
   uint64_t fragment_count; /* pixels of cells that contributed; those of a group of up to 16 cells count once */
+  uint64_t left_count;     /* of cell_count, what CELLIST_GL_FAN left to faces */
   uint64_t group_count;    /* groups composited by themselves; none where the model needs no order */
 } cellist_gl_stats;
 
@@ -81,8 +91,8 @@ typedef struct cellist_gl_stats {
  *   contribution begins and the last one ends (infinity and 0 where there is none). settings and stats may be NULL.
  * Errors: INVALID_ARGUMENT (nothing uploaded, a tet that does not exist, an image of another size, a transfer function
  *   without knots, out of order or not finite, an isosurface's opacity or a number of samples out of range, groups
- * beyond the order or out of order), UNSUPPORTED (a size beyond this OpenGL's, lists below 4.3), GRAPHICS,
- *   OUT_OF_MEMORY.
+ *   beyond the order or out of order), UNSUPPORTED (a size beyond this OpenGL's, lists below 4.3, fans lit by
+ *   gradients at points), GRAPHICS, OUT_OF_MEMORY.
  * Threads: one call per renderer at a time; the context's workers prepare the cells, the picture does not depend on
  *   their number.
  * Cost: linear in cells and fragments. */

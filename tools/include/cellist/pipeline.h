@@ -43,7 +43,8 @@ typedef struct cellist_pipeline_optics {
 
 typedef enum cellist_renderer {
   CELLIST_RENDERER_AUTO,  /* the one that suits the machine and the scene */
-  CELLIST_RENDERER_FACES, /* OpenGL, back faces in visibility order */
+  CELLIST_RENDERER_FACES, /* OpenGL, each cell exact on every pixel, in visibility order */
+  CELLIST_RENDERER_FAN,   /* OpenGL, each cell as a fan of triangles, in visibility order */
   CELLIST_RENDERER_SOFT,  /* cell projection without OpenGL; composites groups exactly */
   CELLIST_RENDERER_CAST   /* ray caster, needs neither OpenGL nor an order */
 } cellist_renderer;
@@ -71,8 +72,8 @@ typedef struct cellist_pipeline_desc {
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
   cellist_order_desc order;        /* what cells are sorted with, where an exact order is needed */
-  cellist_backend backend;         /* for faces */
-  cellist_framebuffer framebuffer; /* for faces; maximum intensity is always drawn in floats */
+  cellist_backend backend;         /* for faces and fan */
+  cellist_framebuffer framebuffer; /* for faces and fan; maximum intensity is always drawn in floats */
   cellist_sorting sorting;         /* for faces and soft */
   uint32_t tets;                   /* for cast: bytes a cell of the compact layouts, as cellist_raycaster_desc */
   cellist_precision precision;     /* for cast; fast falls back to reference for models that it does not draw */

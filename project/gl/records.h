@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Records: what the shader of `faces` reads of a cell, in double until it is written. Private. */
+#ifndef CELLIST_GL_RECORDS_H
+#define CELLIST_GL_RECORDS_H
+
+#include "cells.h"
+
+/* The scaled scalars of a tet's corners and the transfer function's intervals that they touch. */
+typedef struct gl_shown {
+  float scalars[4];
+  uint32_t first, last;
+} gl_shown;
+
+/* Everything that a cell has in OpenGL's buffers beside its triangles. */
+typedef struct gl_record {
+  float floats[GL_RECORD_FLOATS];
+  float lights[GL_LIGHT_FLOATS]; /* if the frame's light has gradients at points */
+  gl_extra extra;
+  bool has_extra;
+} gl_record;
+
+/* sides: bit k is set if the face opposite to corner k is a back face, bit 4 + k if it is a front face, exactly; wild:
+ * a corner has no useful place in the picture. extra is written where a face is seen edge-on. */
+void gl_record_write(const gl_cells *cells, uint32_t tet, const gl_shown *shown, unsigned sides, bool wild,
+                     gl_record *out);
+
+/* The last texel alone: light by one gradient. */
+void gl_record_light(const gl_cells *cells, uint32_t tet, float record[GL_RECORD_FLOATS]);
+
+#endif

@@ -1,0 +1,59 @@
+// Cells of renderer `fan`: what the corners of a fan's triangle say is interpolated over the picture [C 2]; in
+// perspective scalars come divided by their own depth.
+uniform samplerBuffer records; // as in cell.glsl; of these the intervals and the light
+flat in int record;
+in vec4 between;    // scalar / depth, 1 / depth at the front, at the back; parallel: scalar, depth
+in float thickness; // difference of 1 / depth; parallel: of depth
+uniform vec2 centre;         // of the image, in pixels
+uniform vec2 slope;          // across one pixel at depth 1
+#ifdef WITH_LIMITS
+uniform sampler2D limits;    // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
+#else
+uniform float near_distance;
+#endif
+
+const float BIG = 3.0e38;
+
+bool meet_here(out segment met) {
+#ifdef PARALLEL
+  met.front = between.x;
+  met.back = between.z;
+  met.exit_depth = between.w;
+  met.thickness = thickness;
+#else
+  float front_depth = 1.0 / between.y;
+  met.exit_depth = 1.0 / between.w;
+  met.front = between.x * front_depth;
+  met.back = between.z * met.exit_depth;
+  met.thickness = thickness * front_depth * met.exit_depth;
+#endif
+  bool inside = thickness > 0.0;
+  // What lies before the near plane or outside limits is cut off; the scalar is linear along the ray.
+#ifdef WITH_LIMITS
+  vec2 kept = texelFetch(limits, ivec2(gl_FragCoord.xy), 0).xy;
+#ifndef PARALLEL
+  kept = vec2(kept.x > 0.0 ? 1.0 / kept.x : BIG, kept.y > 0.0 ? 1.0 / kept.y : BIG);
+#endif
+#else
+  vec2 kept = vec2(near_distance, BIG);
+#endif
+  float from = met.exit_depth - met.thickness;
+  float inverse = 1.0 / max(met.thickness, 1.0e-37);
+  float begin = clamp((kept.x - from) * inverse, 0.0, 1.0);
+  float end = clamp((kept.y - from) * inverse, 0.0, 1.0);
+  inside = inside && begin < end;
+  float change = met.back - met.front;
+  met.back = met.front + end * change;
+  met.front = met.front + begin * change;
+  met.exit_depth = from + end * met.thickness;
+  met.thickness = (end - begin) * met.thickness;
+#ifdef PARALLEL
+  met.len = met.thickness;
+#else
+  met.len = met.thickness * length(vec3((gl_FragCoord.xy - centre) * slope, 1.0));
+#endif
+  vec2 range = texelFetch(records, 7 * record).zw;
+  met.range = ivec2(range);
+  met.light = texelFetch(records, 7 * record + 6).xy;
+  return inside;
+}
