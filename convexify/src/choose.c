@@ -255,19 +255,18 @@ void pieces_cut_by_grid(work *w) {
       const uint32_t plane = exact_add_axis_plane(w, axis, offset);
       const size_t count = w->pieces.count;
       for (uint32_t piece = 0; piece < count; piece++) piece_cut(w, piece, plane);
-      if (cellist_progress(w->context, "convexifying", 0) != CELLIST_SUCCESS) work_fail(w, CELLIST_ERROR_CANCELLED);
+      work_progress(w, PROGRESS_CUT, PROGRESS_CUT, 0);
     }
   }
 }
 
 void pieces_cut_all(work *w) {
+  const double most = (double)w->reflex_count;
   for (uint32_t piece = 0; piece < w->pieces.count;) {
+    work_progress(w, PROGRESS_CUT, PROGRESS_MERGE, most > 0 ? 1 - (double)w->reflex_count / most : 1);
     const uint32_t plane = choose_plane(w, piece);
     if (plane == CELLIST_NONE) {
       piece++;
-      if (cellist_progress(w->context, "convexifying", (double)piece / (double)(w->pieces.count + 1)) !=
-          CELLIST_SUCCESS)
-        work_fail(w, CELLIST_ERROR_CANCELLED);
       continue;
     }
     if (piece_cut(w, piece, plane)) continue;

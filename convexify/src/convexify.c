@@ -75,12 +75,15 @@ void work_release(work *w) {
   cellist_deallocate(context, w);
 }
 
-static void progress(work *w, const char *stage, double fraction) {
-  if (cellist_progress(w->context, stage, fraction) != CELLIST_SUCCESS) work_fail(w, CELLIST_ERROR_CANCELLED);
+void work_progress(work *w, int from, int to, double fraction) {
+  const double reached = from + (to - from) * fmin(fmax(fraction, 0), 1);
+  if (reached > w->progress) w->progress = reached;
+  if (cellist_progress(w->context, "convexifying", w->progress / PROGRESS_END) != CELLIST_SUCCESS)
+    work_fail(w, CELLIST_ERROR_CANCELLED);
 }
 
 static void make(work *w, cellist_complex **complex) {
-  progress(w, "convexifying", 0);
+  work_progress(w, PROGRESS_BOUNDARY, PROGRESS_CUT, 0);
   boundary_gather(w);
   if (w->boundary.count > 0) {
     boundary_check_embedded(w);
@@ -88,6 +91,7 @@ static void make(work *w, cellist_complex **complex) {
       box_gather(w);
     else
       hull_gather(w);
+    work_progress(w, PROGRESS_BOUNDARY, PROGRESS_CUT, 1);
     const bool delaunay = w->desc.exterior == CELLIST_EXTERIOR_DELAUNAY;
     if (!delaunay || !delaunay_build(w)) {
       if (delaunay) w->stats.exterior = CELLIST_EXTERIOR_HULL;
@@ -98,8 +102,14 @@ static void make(work *w, cellist_complex **complex) {
       if (!w->desc.keep_unmerged && w->desc.exterior != CELLIST_EXTERIOR_GRID) pieces_merge(w);
     }
   }
+  work_progress(w, PROGRESS_MERGE, PROGRESS_FINISH, 1);
   finish(w, complex);
-  if (w->stats.volume_error <= VOLUME_TOLERANCE && w->stats.convexity_violations == 0) return;
+  if (w->stats.volume_error <= VOLUME_TOLERANCE && w->stats.convexity_violations == 0) {
+    if (cellist_progress(w->context, "convexifying", 1) == CELLIST_SUCCESS) return;
+    cellist_complex_destroy(*complex);
+    *complex = NULL;
+    work_fail(w, CELLIST_ERROR_CANCELLED);
+  }
   cellist_complex_destroy(*complex);
   *complex = NULL;
   cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,

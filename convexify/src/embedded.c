@@ -6,6 +6,9 @@
 
 #include "tree.h"
 
+/* Faces between two reports: a few milliseconds. */
+enum { PROGRESS_FACES = 1024 };
+
 static const double *position(const work *w, uint32_t vertex) {
   return &w->mesh->positions[3 * (size_t)w->vertices.items[vertex].point];
 }
@@ -100,6 +103,8 @@ void boundary_check_embedded(work *w) {
   tree_build(ids->items, count, boxes->items, nodes->items);
   id_list *near = &w->touched;
   for (size_t f = 0; f < count; f++) {
+    if (f % PROGRESS_FACES == 0)
+      work_progress(w, PROGRESS_BOUNDARY, PROGRESS_CUT, 0.1 + 0.8 * (double)f / (double)count);
     near->count = 0;
     tree_meeting(w, ids->items, count, boxes->items, nodes->items, &boxes->items[6 * f], near);
     for (size_t i = 0; i < near->count; i++) {

@@ -4,6 +4,9 @@
  * error, never a wrong complex). */
 #include "work.h"
 
+/* Facets between two reports: a few milliseconds. */
+enum { PROGRESS_FACETS = 4096 };
+
 typedef struct facet_key {
   uint32_t low, high, plane, facet;
 } facet_key;
@@ -316,7 +319,12 @@ void finish(work *w, cellist_complex **complex) {
   const size_t count = sort_facets(w, n.pieces, keys);
   output *out = &w->out;
   list_push(w, &out->starts, 0);
+  size_t reported = 0;
   for (size_t begin = 0, end; begin < count; begin = end) {
+    if (begin >= reported) {
+      work_progress(w, PROGRESS_FINISH, PROGRESS_END, (double)begin / (double)count);
+      reported = begin + PROGRESS_FACETS;
+    }
     for (end = begin + 1; end < count && memcmp(&keys[begin], &keys[end], 3 * sizeof(uint32_t)) == 0; end++) {
     }
     if (w->stats.flat_edges > 0) {

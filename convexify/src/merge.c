@@ -4,6 +4,9 @@
  * only part of a side, that side would go on at 180 degrees by itself, so the test covers this too. spx: 804 to 785. */
 #include "work.h"
 
+/* Facets between two reports: a few milliseconds. */
+enum { PROGRESS_FACETS = 4096 };
+
 static bool shares(const work *w, uint32_t facet, uint32_t cell_a, uint32_t cell_b) {
   const uint32_t *cells = w->facets.items[facet].cells;
   return (cells[0] == cell_a && cells[1] == cell_b) || (cells[0] == cell_b && cells[1] == cell_a);
@@ -95,6 +98,8 @@ void pieces_merge(work *w) {
   while (changed) {
     changed = false;
     for (uint32_t f = 0; f < w->facets.count; f++) {
+      if (f % PROGRESS_FACETS == 0)
+        work_progress(w, PROGRESS_MERGE, PROGRESS_FINISH, 0.5 * (double)f / (double)w->facets.count);
       const uint32_t a = w->facets.items[f].cells[0], b = w->facets.items[f].cells[1];
       if (a == CELLIST_NONE || b == CELLIST_NONE || a < base || b < base || a == b) continue;
       changed |= fits_at(w, f, a, b) && try_merge(w, a, b);

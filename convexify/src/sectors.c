@@ -134,10 +134,12 @@ void edge_own(work *w, uint32_t edge, uint32_t cell) {
   if (e->reflex_cell != CELLIST_NONE) {
     work_piece *piece = &w->pieces.items[e->reflex_cell - w->mesh->tet_count];
     (e->is_flat ? &piece->flat : &piece->reflex)->live--;
+    w->reflex_count -= !e->is_flat;
   }
   e->reflex_cell = cell;
   if (cell == CELLIST_NONE) return;
   e->is_flat = flat_edge(w, edge, cell);
   work_piece *piece = &w->pieces.items[cell - w->mesh->tet_count];
   set_push(w, e->is_flat ? &piece->flat : &piece->reflex, edge);
+  w->reflex_count += !e->is_flat;
 }

@@ -168,6 +168,8 @@ typedef struct work {
   random_state random;
   double flat;           /* radians up to which a reflex edge counts as flat; 0: none */
   bool retry_without_it; /* what it leaves is no complex */
+  double progress;       /* reported so far, in per cent */
+  size_t reflex_count;   /* edges at which some piece is reflex and does not count as flat */
 
   /* exact.c: lengths are integers times 2^base, and doubles times 2^-shift, both from the origin. */
   int base, shift;
@@ -218,6 +220,10 @@ typedef struct work {
 
 /* Leaves to the owner of the work with this result; the context has the message. */
 _Noreturn void work_fail(work *w, cellist_result result);
+
+/* Reports a stage (below) as done to this fraction; leaves with CANCELLED if the caller wants no more. */
+enum { PROGRESS_BOUNDARY = 0, PROGRESS_CUT = 15, PROGRESS_MERGE = 80, PROGRESS_FINISH = 90, PROGRESS_END = 100 };
+void work_progress(work *w, int from, int to, double fraction);
 
 /* Room for count items; the new ones are undefined. */
 void work_reserve(work *w, void *list, size_t count, size_t size);

@@ -365,6 +365,39 @@ static bool boundary_covered(cellist_context *context, const cellist_complex_arr
   return ok;
 }
 
+/* Exactly, from stored points alone: planes span something, and a tet's facet lies in the plane of one of its faces,
+ * with the rest of the tet on the side where the facet has it. */
+static bool planes_exact(cellist_context *context, const cellist_complex_arrays *a, const cellist_mesh_arrays *mesh) {
+  for (size_t i = 0; i < a->plane_count; i++) {
+    const uint32_t *id = &a->planes[3 * i];
+    bool spans = id[0] == CELLIST_NONE;
+    for (int k = 0; k < 3 && !spans; k++) {
+      double flat[3][2];
+      for (int c = 0; c < 3; c++)
+        for (int j = 0; j < 2; j++) flat[c][j] = a->points[3 * (size_t)id[c] + (size_t)((k + 1 + j) % 3)];
+      spans = cellist_orient2d(flat[0], flat[1], flat[2]) != 0;
+    }
+    if (!spans) return reject(context, "three points on a line for plane", i);
+  }
+  for (size_t f = 0; f < a->facet_count; f++) {
+    const uint32_t *id = &a->planes[3 * (size_t)a->facet_planes[f]];
+    for (int side = 0; side < 2; side++) {
+      const uint32_t cell = a->facet_cells[2 * f + (size_t)side];
+      if (cell >= a->tet_count || (mesh->tet_flags[cell] & CELLIST_TET_FLAT) != 0) continue;
+      int on = 0, within = 0;
+      for (size_t c = 0; c < 4 && id[0] != CELLIST_NONE; c++) {
+        const double *p = &mesh->positions[3 * (size_t)mesh->tets[4 * (size_t)cell + c]];
+        const int sign = cellist_orient3d(&a->points[3 * (size_t)id[0]], &a->points[3 * (size_t)id[1]],
+                                          &a->points[3 * (size_t)id[2]], p);
+        on += sign == 0;
+        within += sign == (side == 0 ? 1 : -1);
+      }
+      if (on != 3 || within != 1) return reject(context, "not in the plane of a face of its tet: facet", f);
+    }
+  }
+  return true;
+}
+
 bool cellist_complex_is_valid(cellist_context *context, const cellist_complex *complex, const cellist_mesh *mesh) {
   if (context == NULL || complex == NULL || mesh == NULL) return false;
   const cellist_complex_arrays *a = &complex->arrays;
@@ -386,5 +419,6 @@ bool cellist_complex_is_valid(cellist_context *context, const cellist_complex *c
   const double *origin = a->vertices;
   const double unit = ROUNDING * extent + 8 * 0x1p-53 * largest;
   return facets_fit(context, a, origin, extent, unit) && cells_closed(context, a) &&
-         cells_convex(context, a, origin, extent, unit) && boundary_covered(context, a, m, extent);
+         cells_convex(context, a, origin, extent, unit) && boundary_covered(context, a, m, extent) &&
+         planes_exact(context, a, m);
 }

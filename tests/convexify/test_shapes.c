@@ -196,6 +196,49 @@ TEST(random_cubes_out_of_line_are_filled)
   }
 }
 
+/* A complex whose planes are off by rounding alone. */
+TEST(planes_that_are_not_those_of_faces_are_not_valid)
+{
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  shape l = L;
+  l.jitter = 0.1;
+  l.seed = 5;
+  assert_success(context, shape_mesh(context, &l, &mesh));
+  cellist_complex *complex = NULL;
+  assert_success(context, cellist_convexify(context, mesh, NULL, &complex, NULL));
+  assert_true(cellist_complex_is_valid(context, complex, mesh));
+  cellist_complex_arrays a = *cellist_complex_get_arrays(complex);
+  double *points = malloc((3 * a.point_count + 3) * sizeof *points);
+  uint32_t *planes = malloc(3 * a.plane_count * sizeof *planes);
+  memcpy(points, a.points, 3 * a.point_count * sizeof *points);
+  a.points = points;
+  size_t wrong = 0;
+  for (size_t f = 0; f < a.facet_count; f++) {
+    if (a.facet_cells[2 * f] >= a.tet_count && a.facet_cells[2 * f + 1] >= a.tet_count) continue;
+    memcpy(planes, cellist_complex_get_arrays(complex)->planes, 3 * a.plane_count * sizeof *planes);
+    uint32_t *plane = &planes[3 * a.facet_planes[f]];
+    for (int k = 0; k < 3; k++) points[3 * a.point_count + (size_t)k] = nextafter(points[3 * plane[0] + (size_t)k], 9);
+    plane[0] = (uint32_t)a.point_count;
+    cellist_complex_arrays off = a;
+    off.planes = planes;
+    off.point_count++;
+    cellist_complex *moved = NULL;
+    assert_success(context, cellist_complex_create(context, &off, &moved));
+    if (!cellist_complex_is_valid(context, moved, mesh)) {
+      wrong++;
+      assert_non_null(strstr(cellist_context_take_error(context), "face of its tet"));
+    }
+    cellist_complex_destroy(moved);
+  }
+  assert_true(wrong > a.facet_count / 4); /* a point may move within its plane */
+  free(points);
+  free(planes);
+  cellist_complex_destroy(complex);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
 TEST(flat_tets_alone_bound_nothing)
 {
   static const double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
@@ -249,27 +292,51 @@ TEST(flawed_meshes_get_a_verdict_that_names_cells)
   harness_context_destroy(context);
 }
 
-static bool cancel(void *user, const char *stage, double fraction) {
-  (void)stage;
-  (void)fraction;
-  return --*(int *)user > 0;
+struct watch {
+  long left, calls; /* left: calls until the one that cancels; 0: none does */
+  double last;
+  bool in_order;
+};
+
+static bool watch_progress(void *user, const char *stage, double fraction) {
+  struct watch *watch = user;
+  if (strcmp(stage, "convexifying") != 0) return true;
+  watch->in_order &= fraction >= watch->last && fraction <= 1;
+  watch->last = fraction;
+  watch->calls++;
+  return watch->left == 0 || --watch->left > 0;
 }
 
-TEST(a_cancelled_call_leaves_nothing)
-{
-  const shape s = TUNNEL;
-  for (int calls = 4; calls < 12; calls += 3) {
-    int left = calls;
-    const cellist_context_desc desc = {.progress = cancel, .progress_user = &left};
-    cellist_context *context = NULL;
-    assert_int_equal(cellist_context_create(&desc, &context), CELLIST_SUCCESS);
-    cellist_mesh *mesh = NULL;
-    assert_success(context, shape_mesh(context, &s, &mesh));
-    cellist_complex *complex = NULL;
-    assert_failure(context, cellist_convexify(context, mesh, NULL, &complex, NULL), CELLIST_ERROR_CANCELLED, "");
+/* One convexification, cancelled at call left of the progress function; 0: at none. */
+static struct watch convexify_watched(const shape *s, cellist_exterior exterior, long left) {
+  struct watch watch = {.left = left, .in_order = true};
+  const cellist_context_desc desc = {.progress = watch_progress, .progress_user = &watch};
+  cellist_context *context = NULL;
+  assert_int_equal(cellist_context_create(&desc, &context), CELLIST_SUCCESS);
+  cellist_mesh *mesh = NULL;
+  assert_success(context, shape_mesh(context, s, &mesh));
+  const cellist_convexify_desc how = {.exterior = exterior};
+  cellist_complex *complex = NULL;
+  const cellist_result result = cellist_convexify(context, mesh, &how, &complex, NULL);
+  if (left == 0) {
+    assert_success(context, result);
+  } else {
+    assert_failure(context, result, CELLIST_ERROR_CANCELLED, "cancelled");
     assert_null(complex);
-    cellist_mesh_destroy(mesh);
-    cellist_context_destroy(context);
+  }
+  cellist_complex_destroy(complex);
+  cellist_mesh_destroy(mesh);
+  cellist_context_destroy(context);
+  return watch;
+}
+
+TEST(progress_goes_from_nothing_to_all_and_every_step_may_cancel)
+{
+  for (int exterior = 0; exterior < 4; exterior++) {
+    const struct watch whole = convexify_watched(&TUNNEL, (cellist_exterior)exterior, 0);
+    assert_true(whole.in_order && whole.last == 1 && whole.calls >= 5);
+    for (long call = 1; call <= whole.calls; call++)
+      assert_int_equal(convexify_watched(&TUNNEL, (cellist_exterior)exterior, call).calls, call);
   }
 }
 

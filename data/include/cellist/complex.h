@@ -70,8 +70,11 @@ CELLIST_API const cellist_complex_arrays *cellist_complex_get_arrays(const celli
 /* Whether the complex is what it promises for this mesh: the mesh's counts and points; vertices on their facets' planes
  * and facets convex, to rounding (if the complex has no tolerance); the surface of every imaginary cell closed, each of
  * its edges used once in either direction; every cell's vertices on its own side of its facets' planes, to rounding and
- * flat_distance; the mesh's boundary faces covered by the tets' facets, to rounding, except those of flat tets. Arrays:
- * none. Errors: false, with the reason as the context's error message; also when there is no memory for the check.
+ * flat_distance; the mesh's boundary faces covered by the tets' facets, to rounding, except those of flat tets; and
+ * exactly: planes are spanned by points that are not on a line, a tet's facet lies in the plane of one of its faces, on
+ * the right side of it. (That imaginary cells are convex exactly needs exact vertices: convexify checks it.)
+ * Arrays: none.
+ * Errors: false, with the reason as the context's error message; also when there is no memory for the check.
  * Threads: one call per context at a time. Cost: linear in facets and their corners, sorting apart. */
 CELLIST_API bool cellist_complex_is_valid(cellist_context *context, const cellist_complex *complex,
                                           const cellist_mesh *mesh);
