@@ -226,3 +226,30 @@ TEST(wrong_orders_and_narrow_framebuffers_show)
   cellist_image_destroy(reference);
   harness_context_destroy(context);
 }
+
+TEST(segments_are_estimated_without_drawing)
+{
+  static const char *const sources[] = {"sample:ball:5000", "sample:torus", "sample:gears", "sample:swiss-cheese"};
+  cellist_context *context = harness_context(2);
+  for (size_t i = 0; i < 8; i++) {
+    /* Thin, so that no ray ends early. */
+    const cellist_pipeline_desc desc = {
+        .source = sources[i / 2], .renderer = CELLIST_RENDERER_CAST, .optics = {.opacity_scale = 0.01}};
+    cellist_pipeline *pipeline = NULL;
+    cellist_image *image = NULL;
+    cellist_pipeline_stats stats;
+    cellist_frame frame;
+    assert_success(context, cellist_pipeline_create(context, &desc, &pipeline));
+    const cellist_mesh *mesh = cellist_pipeline_mesh(pipeline);
+    cellist_view view = cellist_view_orbit(cellist_mesh_get_arrays(mesh)->bounds, 40, 20);
+    if (i % 2 == 1) view.parallel_height = 1.2 * fabs(view.eye[0] - view.target[0]);
+    assert_success(context, cellist_frame_from_view(context, &view, 128, 128, &frame));
+    assert_success(context, cellist_pipeline_draw(pipeline, &view, 128, 128, &image, &stats));
+    const double estimated = cellist_pipeline_estimate_fragments(mesh, &frame);
+    print_message("%s: %g estimated, %llu drawn\n", desc.source, estimated, (unsigned long long)stats.fragments);
+    assert_true(fabs(estimated / (double)stats.fragments - 1) < 0.03);
+    cellist_image_destroy(image);
+    cellist_pipeline_destroy(pipeline);
+  }
+  harness_context_destroy(context);
+}

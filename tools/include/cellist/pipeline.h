@@ -126,6 +126,10 @@ CELLIST_API void cellist_pipeline_destroy(cellist_pipeline *pipeline);
 CELLIST_API const cellist_mesh *cellist_pipeline_mesh(const cellist_pipeline *pipeline);
 CELLIST_API const cellist_scalar *cellist_pipeline_scalar(const cellist_pipeline *pipeline);
 
+/* About how many segments (cells on rays) a picture of a mesh has, without drawing it: what its cost depends on.
+ * Threads: any. Cost: that of 20,000 tets at most. */
+CELLIST_API double cellist_pipeline_estimate_fragments(const cellist_mesh *mesh, const cellist_frame *frame);
+
 /* Draws one view.
  * Arrays: view may be NULL: the whole mesh, from azimuth 30.96 and elevation 34.45 degrees. *image is the caller's,
  * with channels R G B A (premultiplied, linear) and Z (depth of the first contribution along the line of sight,
