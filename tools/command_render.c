@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "budget.h"
 #include "command.h"
 #include "mesh_options.h"
 #include "optics_options.h"
@@ -39,6 +40,10 @@ static bool picture_name(const char *pattern, unsigned index, char *name, size_t
 
 static const char *check_options(const struct render_options *options) {
   if (options->outputs.count == 0) return "-o IMAGE is missing";
+  if (options->error < 0 || options->time < 0) return "--error and --time need a number above 0";
+  if (options->error > 0 && options->time > 0) return "--error and --time exclude each other";
+  if ((options->error > 0 || options->time > 0) && strcmp(options->renderer, "auto") != 0)
+    return "--error and --time choose the renderer themselves";
   if (options->explain && options->no_plan) return "--explain and --no-plan exclude each other";
   for (size_t i = 0; i < options->outputs.count; i++) {
     const char *name = options->outputs.value[i];
@@ -87,6 +92,28 @@ static cellist_result draw_all(cellist_context *context, const struct render_opt
     tally->draw[tally->count++] = stats->draw_seconds;
   }
   return cellist_progress(context, "drawing", 1);
+}
+
+/* Loads the mesh to count what its pictures cost, and chooses how to draw it. */
+static cellist_result choose(cellist_context *context, const struct render_options *options, const char *source,
+                             const view_options *camera, cellist_pipeline_desc *desc, cellist_mesh **mesh,
+                             budget_choice *choice) {
+  cellist_result result = cellist_pipeline_load(context, source, &desc->read, mesh);
+  if (result != CELLIST_SUCCESS) return result;
+  cellist_view view;
+  cellist_frame frame;
+  view_options_resolve(camera, cellist_mesh_get_arrays(*mesh)->bounds, &view);
+  result = cellist_frame_from_view(context, &view, options->size[0], options->size[1], &frame);
+  if (result != CELLIST_SUCCESS) return result;
+  desc->mesh = *mesh;
+  if (budget_choose(*mesh, &frame, options->error, options->time, cellist_context_worker_count(context), desc, choice))
+    return CELLIST_SUCCESS;
+  if (options->error > 0)
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "no setting is closer than %g (%s); --error asks for %g",
+                        choice->expected_error, choice->name, options->error);
+  cellist_log(context, CELLIST_LOG_WARNING, "even the fastest setting (%s) is expected to take %.2g s a frame",
+              choice->name, choice->expected_seconds);
+  return CELLIST_SUCCESS;
 }
 
 /* The same view with everything that the plan leaves out, for its times. */
@@ -160,6 +187,10 @@ int command_render(int argc, char **argv) {
       {"frames", "N", "draw N times; times are medians (1)", OPTION_COUNT, &options.frames},
       {"turntable", "N", "N pictures of a full turn, -o a%04d.png", OPTION_COUNT, &options.turntable},
       {"threads", "N", "threads to use (one per processor)", OPTION_COUNT, &options.threads},
+      {"error", "E", "choose the cheapest way whose root mean square error is expected to be at most this",
+       OPTION_NUMBER, &options.error},
+      {"time", "T", "choose the closest way whose frame is expected to take at most T seconds", OPTION_NUMBER,
+       &options.time},
       {"explain", "", "say what the scene did not need, and what leaving it out saved (draws a frame without the plan)",
        OPTION_FLAG, &options.explain},
       {"no-plan", "", "do everything, also what the scene does not need", OPTION_FLAG, &options.no_plan},
@@ -199,8 +230,12 @@ int command_render(int argc, char **argv) {
   struct tally tally = {calloc(count, sizeof(double)), calloc(count, sizeof(double)), 0};
   cellist_pipeline *pipeline = NULL;
   cellist_pipeline_stats stats = {0};
-  cellist_result result = tally.sort != NULL && tally.draw != NULL ? cellist_pipeline_create(context, &desc, &pipeline)
-                                                                   : CELLIST_ERROR_OUT_OF_MEMORY;
+  cellist_mesh *mesh = NULL; /* only if it had to be loaded to choose how to draw it */
+  budget_choice choice = {0};
+  cellist_result result = tally.sort != NULL && tally.draw != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
+  if (result == CELLIST_SUCCESS && (options.error > 0 || options.time > 0))
+    result = choose(context, &options, argv[1], &camera, &desc, &mesh, &choice);
+  if (result == CELLIST_SUCCESS) result = cellist_pipeline_create(context, &desc, &pipeline);
   if (result == CELLIST_SUCCESS) {
     view_options_resolve(&camera, cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->bounds, &view);
     result = draw_all(context, &options, &view, pipeline, &tally, &stats);
@@ -219,12 +254,14 @@ int command_render(int argc, char **argv) {
                                            .sort = terminal_median(tally.sort, tally.count),
                                            .draw = terminal_median(tally.draw, tally.count),
                                            .total = terminal_seconds() - begin,
-                                           .full = options.explain ? &full : NULL};
+                                           .full = options.explain ? &full : NULL,
+                                           .choice = choice.name != NULL ? &choice : NULL};
     status = options.json ? render_report_json(&outcome) : render_report_text(&outcome);
   }
   free(tally.sort);
   free(tally.draw);
   cellist_pipeline_destroy(pipeline);
+  cellist_mesh_destroy(mesh);
   cellist_context_destroy(context);
   return status;
 }

@@ -5,6 +5,7 @@
 
 #include <cellist/pipeline.h>
 
+#include "budget.h"
 #include "options.h"
 
 /* What the command was asked for. */
@@ -13,6 +14,7 @@ struct render_options {
   const char *renderer, *backend, *framebuffer, *precision, *tets;
   unsigned size[2], frames, turntable, threads;
   number_list background;
+  double error, time; /* 0: not asked for */
   bool json, explain, no_plan;
 };
 
@@ -24,6 +26,7 @@ struct render_outcome {
   cellist_pipeline_stats stats;       /* of the last frame */
   double sort, draw, total;           /* seconds: medians per frame; the whole command */
   const cellist_pipeline_stats *full; /* of the last frame drawn without a plan; NULL unless asked to explain */
+  const budget_choice *choice;        /* what --error or --time made of it; else NULL */
 };
 
 /* Prints one object on standard output; returns the exit status. */

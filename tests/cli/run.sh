@@ -179,6 +179,28 @@ case_a_desktop_s_context_draws_the_same() {
   json "j['max_abs'] <= 1e-5 and j['covered_pixels'] > 500"
 }
 
+case_a_budget_chooses_how_to_draw() {
+  expect 0 render sample:torus -o reference.exr --renderer cast --precision reference --size 128x128
+  local last=0
+  for error in 1e-2 1e-5 1e-6 1e-11; do
+    expect 0 render sample:torus -o a.exr --error $error --size 128x128 --json
+    json "j['choice']['expected_error'] <= $error and j['choice']['expected_seconds'] >= $last"
+    last=$(python3 -c "import json; print(json.load(open('out'))['choice']['expected_seconds'])")
+    expect 0 compare a.exr reference.exr --json
+    json "j['rmse'] <= $error and j['covered_pixels'] > 1000"
+  done
+  expect 0 render sample:torus -o a.exr --time 100 --size 128x128 --json
+  json "j['precision'] == 'reference'"
+  expect 0 render sample:torus -o a.exr --time 1e-9 --size 128x128
+  says "even the fastest setting"
+  grep -q "chosen: " out || fail "the choice is not said"
+  expect 1 render sample:torus -o b.exr --error 1e-15 --size 128x128 && says "--error asks for 1e-15" && one_line
+  expect 2 render sample:torus -o b.exr --error 1e-3 --time 1
+  expect 2 render sample:torus -o b.exr --error 1e-3 --renderer soft
+  expect 1 render missing.vtu -o b.exr --time 1 && says missing.vtu && one_line
+  [ ! -e b.exr ] || fail "a picture was written"
+}
+
 # A report is read by people, spreadsheets and programs: all three files hold the same, and the page stands alone.
 case_report_is_whole() {
   needs_opengl
