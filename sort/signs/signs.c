@@ -30,6 +30,9 @@ enum { HELD = 0x70 };
 
 enum { CHUNK = 1024 }; /* groups a range: so many masks stand on the stack */
 
+/* Fewer groups are not worth waking another thread for: 0.1 ms. */
+enum { PARALLEL_MINIMUM = 16384 };
+
 struct job {
   const sort_cells *cells;
   sort_planes *planes;
@@ -224,6 +227,11 @@ size_t sort_planes_find_states(cellist_context *context, const sort_cells *cells
   /* A plane's four numbers, of length at most LENGTH + 1, add up to at most twice that. */
   job.doubt = (int32_t)ceil(ROUNDING * (sum + 2 * (LENGTH + 1)) + 4 * ROUNDING * ROUNDING);
   atomic_init(&job.undecided_count, 0);
-  cellist_parallel_for(context, planes->group_count, CHUNK, find_range, &job);
+  const size_t group_count = planes->group_count;
+  if (group_count >= PARALLEL_MINIMUM)
+    cellist_parallel_for(context, group_count, CHUNK, find_range, &job);
+  else
+    for (size_t i = 0; i < group_count; i += CHUNK)
+      find_range(&job, i, group_count - i < CHUNK ? group_count : i + CHUNK, 0);
   return atomic_load(&job.undecided_count);
 }
