@@ -11,6 +11,7 @@
 #include "optics_options.h"
 #include "order_options.h"
 #include "render_report.h"
+#include "surface_options.h"
 #include "terminal.h"
 #include "view_options.h"
 
@@ -161,8 +162,11 @@ int command_render(int argc, char **argv) {
   optics_options look;
   mesh_options input;
   order_options sorting;
+  static surface_options scene; /* some 100 kB */
   option_spec order_table[ORDER_OPTION_COUNT];
   option_spec view_table[VIEW_OPTION_COUNT], optics_table[OPTICS_OPTION_COUNT], mesh_table[MESH_OPTION_COUNT];
+  option_spec scene_table[SURFACE_OPTION_COUNT];
+  surface_options_init(&scene, scene_table);
   mesh_options_init(&input, mesh_table);
   order_options_init(&sorting, order_table);
   view_options_init(&camera, view_table);
@@ -201,14 +205,12 @@ int command_render(int argc, char **argv) {
       "cellist render sample:gears -o gears.png",
       "cellist render mesh.vtu -o a.exr -o a.png --scalar velocity:mag --tf viridis --orbit 45,20",
       "cellist render mesh.vtu -o a.exr --eye 3,0,1 --target 0,0,0 --fovy 40 --tf mine.json --unit diagonal/50",
-      "cellist render mesh.vtu -o turn%04d.png --turntable 90 --background 1,1,1", NULL};
-  const command_usage usage = {"render",
-                               "MESH -o IMAGE",
-                               "Draws a mesh (a file, or sample:NAME[:SIZE][,seed=N][,perturb=P][,parts=N]).",
-                               1,
-                               1,
-                               examples,
-                               {table, view_table, optics_table, order_table, mesh_table}};
+      "cellist render mesh.vtu -o cut.png --clip 1,0,0,0.5 --surface wing.stl,0.8,0.6,0.2 --surface cells:p=3..",
+      "cellist render mesh.vtu -o turn%04d.png --turntable 90 --background 1,1,1",
+      NULL};
+  const command_usage usage = {
+      "render", "MESH -o IMAGE", "Draws a mesh (a file, or sample:NAME[:SIZE][,seed=N][,perturb=P][,parts=N]).", 1,
+      1,        examples,        {table, view_table, optics_table, order_table, scene_table, mesh_table}};
   size_t positional = 0;
   const parse_result parsed = options_parse(&usage, argc, argv, &positional);
   if (parsed != PARSE_OK) return parse_exit(parsed);
@@ -218,6 +220,9 @@ int command_render(int argc, char **argv) {
   if (wrong == NULL) wrong = optics_options_resolve(&look, isos, &desc.optics);
   if (wrong == NULL) wrong = mesh_options_resolve(&input, &desc.read);
   if (wrong == NULL) wrong = order_options_resolve(&sorting, &desc.order);
+  cellist_pipeline_surface surfaces[LIST_CAPACITY];
+  desc.surfaces = surfaces;
+  if (wrong == NULL) wrong = surface_options_resolve(&scene, surfaces, &desc.surface_count);
   cellist_view view;
   const double unit_bounds[6] = {0, 0, 0, 1, 1, 1};
   if (wrong == NULL) wrong = view_options_resolve(&camera, unit_bounds, &view);

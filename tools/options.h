@@ -41,7 +41,7 @@ typedef struct option_spec {
   void *target; /* left alone unless the option is given */
 } option_spec;
 
-enum { MAX_TABLES = 5 };
+enum { MAX_TABLES = 6 };
 
 /* What a subcommand is called with, for parsing and for --help. */
 typedef struct command_usage {

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "import.h"
+#include "ply_check.h"
 
 /* assimp keeps the text of the last failure in one place for all threads: calls take turns. */
 static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
@@ -116,6 +117,10 @@ cellist_result surface_import(cellist_context *context, const char *name, const 
                               size_t size, bool with_normals, const double colour[3], cellist_surface **surface) {
   if (size > UINT_MAX)
     return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "%s: surface files of 4 GB or more are not read", name);
+  if (strcmp(format, "ply") == 0) {
+    const cellist_result sound = surface_check_ply(context, name, bytes, size);
+    if (sound != CELLIST_SUCCESS) return sound;
+  }
   struct target target = {.context = context, .name = name};
   cellist_result result;
   pthread_mutex_lock(&turn);

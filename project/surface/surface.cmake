@@ -10,7 +10,7 @@ set(surface_sources surface cells layer read tree)
 set(surface_libraries m)
 set(surface_packages "")
 if(ASSIMP_FOUND)
-  list(APPEND surface_sources import_assimp)
+  list(APPEND surface_sources import_assimp ply_check)
   list(APPEND surface_libraries PkgConfig::ASSIMP)
   set(surface_packages assimp)
   cellist_static_dependencies("find_dependency(PkgConfig)"

@@ -58,6 +58,40 @@ case_usage_is_wrong_exit_2() {
   [ ! -e a.png ] || fail "a picture was written"
 }
 
+case_render_clips_and_shows_surfaces() {
+  printf 'v 0 0 0.5\nv 9 0 0.5\nv 0 9 0.5\nv -9 -9 0.5\nf 1 2 3\nf 1 3 4\nf 1 4 2\n' >plane.obj
+  local camera=(--size 32x32 --orbit 20,60)
+  expect 0 render sample:grid:500 -o plain.exr "${camera[@]}"
+  for renderer in cast soft; do
+    expect 0 render sample:grid:500 -o none.exr "${camera[@]}" --renderer $renderer --clip 0,0,1,-5
+    expect 0 compare none.exr none.exr --json
+    json 'j["covered_pixels"] == 0'
+    expect 0 render sample:grid:500 -o same.exr "${camera[@]}" --renderer $renderer --clip=-9,-9,-9,9,9,9
+    expect 0 compare same.exr plain.exr --json
+    json 'j["max_abs"] < 1e-4 and j["covered_pixels"] > 100'
+    expect 0 render sample:grid:500 -o solid.exr "${camera[@]}" --renderer $renderer --surface boundary,1,0,0
+    expect 0 compare solid.exr plain.exr --json
+    json 'j["max_abs"] > 0.1'
+  done
+  expect 0 render sample:grid:500 -o a.exr "${camera[@]}" --surface plane.obj,0.2,0.5,1 --surface 'cells:wave=..0.2' \
+    --surface ids:0+5..9
+  expect 2 render sample:grid -o a.png --clip 1,2,3
+  says "--clip needs a plane"
+  expect 2 render sample:grid -o a.png --clip 0,0,0,1
+  expect 2 render sample:grid -o a.png --clip 1,1,1,0,0,0
+  says "lower corner first"
+  expect 2 render sample:grid -o a.png --surface plane.obj,-1,0,0
+  expect 1 render sample:grid -o b.png --surface missing.stl
+  says "missing.stl: No such file"
+  expect 1 render sample:grid -o b.png --surface cells:nothing=1..2
+  says "no scalar 'nothing'"
+  expect 1 render sample:grid -o b.png --surface cells:wave=2..1
+  says "cells:SCALAR=LO..HI"
+  expect 1 render sample:grid -o b.png --surface ids:x
+  says "ids:ID+ID..ID"
+  [ ! -e b.png ] || fail "a picture was written"
+}
+
 case_sort_writes_orders_and_figures() {
   expect 0 sort sample:gears --orbit 30,20 --order order.txt --verify 300 --peer centroid --peer mpvo_nc --json
   json 'j["order"] == "exact" and j["unsorted"] == 0 and j["inversions"] == 0 and j["pairs"] > 300'

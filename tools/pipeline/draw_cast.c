@@ -9,7 +9,8 @@ cellist_result pipeline_make_cast(cellist_pipeline *pipeline) {
 
 cellist_result pipeline_draw_cast(cellist_pipeline *pipeline, const cellist_frame *frame, cellist_image *image,
                                   cellist_pipeline_stats *stats) {
-  cellist_raycast_desc desc = {.precision = pipeline->desc.precision, .optics = pipeline->desc.optics.model};
+  cellist_raycast_desc desc = {
+      .precision = pipeline->desc.precision, .optics = pipeline->desc.optics.model, .surface = pipeline->surface};
   const cellist_raycast_output output = {.image = image};
   cellist_raycast_stats cast;
   const double begin = pipeline_seconds();

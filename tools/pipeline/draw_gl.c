@@ -30,6 +30,7 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
   const cellist_framebuffer framebuffer = maximum ? CELLIST_FRAMEBUFFER_32F : pipeline->desc.framebuffer;
   const bool fan = pipeline->renderer == CELLIST_RENDERER_FAN;
   const cellist_gl_settings settings = {.optics = pipeline->desc.optics.model,
+                                        .surface = pipeline->surface,
                                         .framebuffer = framebuffer,
                                         .groups = groups,
                                         .group_count = group_count,

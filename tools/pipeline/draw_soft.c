@@ -17,6 +17,7 @@ cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_fram
   for (size_t i = 0; i < pipeline->group_count; i++)
     groups[i] = (cellist_soft_group){pipeline->groups[i].begin, pipeline->groups[i].count};
   const cellist_soft_settings settings = {.optics = pipeline->desc.optics.model,
+                                          .surface = pipeline->surface,
                                           .order = pipeline->order,
                                           .order_count = pipeline->order_count,
                                           .groups = groups,

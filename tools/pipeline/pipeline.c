@@ -96,6 +96,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   const double loaded = pipeline_seconds();
   if (result == CELLIST_SUCCESS) result = pipeline_load_transfer(created);
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
+  if (result == CELLIST_SUCCESS) result = pipeline_make_surface(created);
   if (result == CELLIST_SUCCESS) {
     created->renderer = choose_renderer(created);
     result = pipeline_plan(created);
@@ -123,6 +124,7 @@ void cellist_pipeline_destroy(cellist_pipeline *pipeline) {
   cellist_deallocate(context, pipeline->isos);
   cellist_soft_destroy(pipeline->soft);
   cellist_order_destroy(pipeline->sorted);
+  cellist_surface_destroy(pipeline->surface);
   cellist_peer_destroy(pipeline->peer);
   cellist_raycaster_destroy(pipeline->caster);
   cellist_transfer_release(context, &pipeline->transfer);
@@ -155,7 +157,7 @@ static cellist_result describe(const cellist_pipeline *pipeline, const cellist_f
   if (result == CELLIST_SUCCESS) result = cellist_image_set_attribute(image, "cellist camera", camera);
   if (result == CELLIST_SUCCESS) result = cellist_image_set_attribute(image, "cellist optics", optics);
   if (result == CELLIST_SUCCESS) result = cellist_image_set_attribute(image, "cellist method", method);
-  return result;
+  return result == CELLIST_SUCCESS ? pipeline_describe_cuts(pipeline, frame, image) : result;
 }
 
 cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_view *view, uint32_t width,

@@ -33,6 +33,7 @@ struct cellist_pipeline {
   char method[48]; /* of integration, for stats */
   cellist_raycaster *caster;
   cellist_soft *soft;
+  cellist_surface *surface;      /* all of the scene's, joined; NULL: none */
   cellist_order *sorted;         /* the sorter and its exterior; NULL if no exact order is needed */
   cellist_sorter *sorter;        /* sorted's */
   cellist_sort_stats sort_stats; /* of the order that stands in order */
@@ -76,6 +77,11 @@ cellist_result pipeline_keep_model(cellist_pipeline *pipeline);
 const char *pipeline_name_method(cellist_pipeline *pipeline);
 /* Whether that is by other means than exactly. */
 bool pipeline_is_inexact(const cellist_pipeline *pipeline);
+
+/* surfaces.c: the scene's opaque surface; what an image's attributes say of it and of clip planes. */
+cellist_result pipeline_make_surface(cellist_pipeline *pipeline);
+cellist_result pipeline_describe_cuts(const cellist_pipeline *pipeline, const cellist_frame *frame,
+                                      cellist_image *image);
 
 /* order.c: makes the sorter, if the optics need an order; fills order and groups for the frame's eye. */
 cellist_result pipeline_make_order(cellist_pipeline *pipeline);

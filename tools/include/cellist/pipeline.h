@@ -8,6 +8,7 @@
 #include <cellist/mesh.h>
 #include <cellist/order.h>
 #include <cellist/raycast.h>
+#include <cellist/surface.h>
 #include <cellist/transfer.h>
 #include <cellist/view.h>
 
@@ -64,6 +65,16 @@ typedef enum cellist_sorting {
   CELLIST_SORTING_NONE      /* as the cells are kept */
 } cellist_sorting;
 
+/* An opaque surface in the scene, see cellist/surface.h. */
+typedef struct cellist_pipeline_surface {
+  /* An STL, OBJ or PLY file; "boundary": the mesh's own; "cells:SCALAR=LO..HI": the cells all of whose values lie in
+   * that range, either end of which may be left out; "ids:3+7..20": cells by the file's ids. */
+  const char *source;
+  const cellist_surface *surface; /* the program's own, in place of source; read during the call only */
+  bool has_colour;                /* false: a file's own colours, else grey; cells: the transfer function's colours */
+  double colour[3];               /* linear */
+} cellist_pipeline_surface;
+
 typedef struct cellist_pipeline_desc {
   const char *source;       /* as cellist_pipeline_load */
   const cellist_mesh *mesh; /* the program's own, in place of source, which then is a name for messages or NULL;
@@ -77,7 +88,9 @@ typedef struct cellist_pipeline_desc {
   cellist_sorting sorting;         /* for faces and soft */
   uint32_t tets;                   /* for cast: bytes a cell of the compact layouts, as cellist_raycaster_desc */
   cellist_precision precision;     /* for cast; fast falls back to reference for models that it does not draw */
-  bool no_plan;                    /* do everything, also what this scene does not need: for comparison */
+  size_t surface_count;
+  const cellist_pipeline_surface *surfaces; /* [surface_count] read during the call only */
+  bool no_plan;                             /* do everything, also what this scene does not need: for comparison */
 } cellist_pipeline_desc;
 
 /* A piece of work that a scene did not need, and why. */
