@@ -4,10 +4,15 @@
 
 #include <cellist/mesh.h>
 #include <math.h>
+#include <string.h>
 
 /* What an exact sign leaves of a number that rounding made 0 or of the other sign: its size does not matter, as the
  * face is seen edge-on to the last digit. 0 itself would make a back face's cell infinitely long. */
 static const double TINY_COORDINATE = 1e-12;
+/* Pixels. A face whose picture is thinner is a line: single precision cannot tell on which side of it, or in it, a
+ * pixel lies. Larger: pixels in a face's picture lose the crossing from one cell to the other. Smaller: both cells at a
+ * face, or neither, may draw a pixel. */
+static const double THIN_FACE = 1.0 / 4096;
 static void cross(double out[3], const double a[3], const double b[3]) {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
@@ -124,10 +129,20 @@ void gl_record_light(const gl_cells *cells, uint32_t tet, float record[GL_RECORD
   gl_light_of_cell(&cells->light, corners, scalars, &record[24]);
 }
 
-/* The line that a face seen edge-on is in the picture. Worked out from the face's points in the order of their ids, so
- * that both cells at the face find the same numbers; on which side the cell lies is told by the order in which it names
- * them. */
-static void write_line(const gl_cells *cells, uint32_t tet, unsigned face, float line[4]) {
+/* How far, in pixels, the pictures of points in a plane lie from the line in which the plane is seen edge-on: HUGE_VAL
+ * if it is not. p: three of them; n: the plane's normal. */
+static double distance_from_line(const double *const p[3], const double n[3], bool parallel) {
+  double most = 0;
+  for (int i = 0; i < 3; i++)
+    most = fmax(most, parallel ? fabs(n[2] * (p[i][2] - p[0][2])) : fabs(dot(n, p[0])) / p[i][2]);
+  const double slope = hypot(n[0], n[1]);
+  return slope > 0 ? most / slope : HUGE_VAL;
+}
+
+/* If a face is seen edge-on, up to what single precision can tell, the line that it is in the picture. Worked out from
+ * the face's points in the order of their ids, so that both cells at the face find the same; on which side the cell
+ * lies is told by the order in which it names them. */
+static bool find_line(const gl_cells *cells, uint32_t tet, unsigned face, bool is_exact, bool wild, float line[4]) {
   uint32_t id[3];
   int side = -cells->handedness; /* of a face counter-clockwise from outside: 1 where its normal points inwards */
   for (int i = 0; i < 3; i++) id[i] = cells->mesh->arrays->tets[4 * (size_t)tet + CELLIST_TET_FACE[face][i]];
@@ -139,21 +154,23 @@ static void write_line(const gl_cells *cells, uint32_t tet, unsigned face, float
         id[j + 1] = kept;
         side = -side;
       }
-  const double *p = cells->corners[id[0]], *q = cells->corners[id[1]], *r = cells->corners[id[2]];
+  const double *const p[3] = {cells->corners[id[0]], cells->corners[id[1]], cells->corners[id[2]]};
   double u[3], v[3], n[3];
   for (int k = 0; k < 3; k++) {
-    u[k] = q[k] - p[k];
-    v[k] = r[k] - p[k];
+    u[k] = p[1][k] - p[0][k];
+    v[k] = p[2][k] - p[0][k];
   }
   cross(n, u, v);
-  if (cells->frame.parallel) n[2] = -(n[0] * p[0] + n[1] * p[1]);
+  if (!is_exact && (wild || !(distance_from_line(p, n, cells->frame.parallel) < THIN_FACE))) return false;
+  if (cells->frame.parallel) n[2] = -(n[0] * p[0][0] + n[1] * p[0][1]);
   const double size =
       fmax(fmax(fabs(n[0]) * cells->picture.half_width, fabs(n[1]) * cells->picture.half_height), fabs(n[2]));
   const double scale = size > 0 ? side / size : 0;
   line[0] = (float)(n[2] * scale);
   line[1] = (float)(n[0] * scale);
   line[2] = (float)(n[1] * scale);
-  line[3] = 0;
+  line[3] = 1;
+  return true;
 }
 
 void gl_record_write(const gl_cells *cells, uint32_t tet, const gl_shown *shown, unsigned sides, bool wild,
@@ -173,12 +190,14 @@ void gl_record_write(const gl_cells *cells, uint32_t tet, const gl_shown *shown,
   const unsigned k = choose_face(cells, p, sides, wild);
   write_record(cells, p, eye, shown, reference, k, record);
   out->has_extra = false;
-  for (int i = 0; i < 3; i++)
-    if (!(sides & 17u << CELLIST_TET_FACE[k][i])) {
-      if (!out->has_extra) out->extra = (gl_extra){0};
-      write_line(cells, tet, CELLIST_TET_FACE[k][i], out->extra.lines[i]);
-      out->has_extra = true;
-    }
+  for (int i = 0; i < 3; i++) {
+    const unsigned f = CELLIST_TET_FACE[k][i];
+    float line[4];
+    if (!find_line(cells, tet, f, !(sides & 17u << f), wild, line)) continue;
+    if (!out->has_extra) out->extra = (gl_extra){0};
+    memcpy(out->extra.lines[i], line, sizeof line);
+    out->has_extra = true;
+  }
   if (out->has_extra) record[2] = -1 - record[2]; /* so the shader knows */
   gl_record_light(cells, tet, record);
   if (cells->light.gradients == NULL) return;

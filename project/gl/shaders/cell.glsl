@@ -28,8 +28,7 @@ const float BIG = 3.0e38;
 // Whether a pixel lies on the cell's side of a face seen edge-on. On the line itself the pixel counts as moved by an
 // infinitesimal to the right, and by a smaller one upwards: so one of the cells at a face owns it, and of those at an
 // edge too.
-bool owns(int record, int corner, vec2 pixel) {
-  vec4 line = texelFetch(extras, 4 * record + corner);
+bool owns(vec4 line, vec2 pixel) {
   precise float at = line.x + line.y * (pixel.x - centre.x) + line.z * (pixel.y - centre.y);
   return (at != 0.0 ? at : line.y != 0.0 ? line.y : line.z) > 0.0;
 }
@@ -73,16 +72,21 @@ bool meet(int record, vec2 pixel, out segment met) {
   float entry = near_distance > 0.0 ? 1.0 / near_distance - sum : BIG;
 #endif
 #endif
+  vec3 height = weight, speed = eye_weight; // what decides: of a face seen edge-on, the side alone
   if (head.z < 0.0) {
     head.z = -1.0 - head.z;
-    for (int i = 0; i < 3; i++)
-      if (eye_weight[i] == 0.0) weight[i] = owns(record, i, pixel) ? max(weight[i], 0.0) : -1.0;
+    for (int i = 0; i < 3; i++) {
+      vec4 line = texelFetch(extras, 4 * record + i);
+      if (line.w == 0.0) continue;
+      height[i] = owns(line, pixel) ? 0.0 : -1.0;
+      speed[i] = 0.0;
+    }
   }
   for (int i = 0; i < 3; i++) {
-    if (eye_weight[i] < 0.0)
-      entry = min(entry, max(weight[i], 0.0) / -eye_weight[i]);
-    else if (weight[i] < 0.0)
-      exit = eye_weight[i] > 0.0 ? max(exit, -weight[i] / eye_weight[i]) : BIG;
+    if (speed[i] < 0.0)
+      entry = min(entry, max(height[i], 0.0) / -speed[i]);
+    else if (height[i] < 0.0)
+      exit = speed[i] > 0.0 ? max(exit, -height[i] / speed[i]) : BIG;
   }
   bool inside = entry > exit;
 
