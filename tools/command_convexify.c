@@ -8,6 +8,7 @@
 
 #include "command.h"
 #include "mesh_options.h"
+#include "movie.h"
 #include "terminal.h"
 
 static const char *const EXTERIORS[] = {"hull", "box", "grid", "delaunay"};
@@ -45,7 +46,7 @@ static int report_text(const cellist_convexify_stats *s, double seconds) {
 }
 
 int command_convexify(int argc, char **argv) {
-  const char *output = NULL, *exterior = "hull", *score = "own";
+  const char *output = NULL, *movie = NULL, *exterior = "hull", *score = "own";
   unsigned candidates = 0, grid_size = 0;
   unsigned long long seed = 1;
   double flat = 0;
@@ -63,12 +64,13 @@ int command_convexify(int argc, char **argv) {
       {"seed", "N", "of the random choice of candidates (1)", OPTION_SEED, &seed},
       {"grid-size", "N", "grid: planes along the longest axis", OPTION_COUNT, &grid_size},
       {"no-merge", "", "do not join neighbours whose union is convex", OPTION_FLAG, &keep_unmerged},
+      {"movie", "DIR", "write the cutting as pictures: DIR/0000.png, ...", OPTION_TEXT, &movie},
       {"json", "", "print one JSON object", OPTION_FLAG, &json},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
   static const char *const examples[] = {"cellist convexify mesh.vtu -o mesh.cells",
                                          "cellist convexify sample:gears -o gears.cells --exterior delaunay --json",
-                                         NULL};
+                                         "cellist convexify sample:gears -o gears.cells --movie pictures", NULL};
   const command_usage usage = {"convexify",
                                "MESH -o FILE.cells",
                                "Makes a mesh convex: fills the rest of its hull with convex cells, exactly.",
@@ -107,6 +109,8 @@ int command_convexify(int argc, char **argv) {
     result = cellist_convexify_cached(context, mesh, &desc, output, &complex, &stats);
     seconds = terminal_seconds() - begin;
   }
+  size_t pictures = 0;
+  if (result == CELLIST_SUCCESS && movie != NULL) result = movie_write(context, mesh, complex, movie, &pictures);
   int status = 0;
   if (result != CELLIST_SUCCESS) {
     status = terminal_failure(context, result);

@@ -478,6 +478,8 @@ case_convexify_keeps_its_result() {
   expect 0 convexify sample:gears -o a.cells --json
   json "j['cached'] and j['imaginary_cells'] > 100 and j['cuts'] > 0 and j['seconds'] < 60 and j['peak_mb'] > 1"
   cmp -s a.cells first.cells || fail "reading changed the file"
+  expect 0 convexify sample:l-shape -o l.cells --movie film --flat 1 --json
+  [ -s film/0000.png ] && [ -s film/0001.png ] && [ ! -e film/0002.png ] || fail "pictures of the cutting are missing"
   expect 0 convexify sample:gears -o a.cells --exterior grid --json
   json "j['exterior'] == 'grid' and not j['cached']"
   expect 0 convexify sample:grid -o b.cells
