@@ -110,6 +110,7 @@ static int side_of(const sort_link_plane *plane, const sort_eye *eye) {
 }
 
 void sort_links_find(sort_links *links, const sort_eye *eye) {
+  if (links->facet_count == 0) return; /* no complex: no arrays either */
   for (size_t p = 0; p < links->plane_count; p++) links->plane_sides[p] = (int8_t)side_of(&links->planes[p], eye);
   memset(links->pending, 0, (links->row_count + links->large_count) * sizeof *links->pending);
   for (size_t f = 0; f < links->facet_count; f++) {
