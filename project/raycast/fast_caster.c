@@ -134,9 +134,9 @@ static void transform_range(void *user, size_t begin, size_t end, unsigned worke
     const float s = scalars != NULL ? scalars[i] : 0;
     fast_vertex *v = &scene->vertices[i];
     if (scene->reciprocal) {
-      const double reciprocal = 1 / z;
-      const float a = (float)(scene->unit * reciprocal);
-      *v = (fast_vertex){(float)(x * reciprocal), (float)(y * reciprocal), a, a * s};
+      const double reciprocal = 1 / z, farthest = scene->depth_offset;
+      *v = (fast_vertex){(float)(x * reciprocal), (float)(y * reciprocal), (float)fmin((z - farthest) * reciprocal, 0),
+                         (float)(farthest * reciprocal) * s};
     } else {
       *v = (fast_vertex){(float)(x * scale), (float)(y * scale), (float)((z - scene->depth_offset) * scale), s};
     }
@@ -192,6 +192,8 @@ static cellist_result set_up_scene(fast_caster *caster, const cellist_frame *fra
   scene->reciprocal = scene->perspective && depth[0] > NEAREST_RECIPROCAL * depth[1];
   scene->sheared = scene->perspective && !scene->reciprocal;
   if (frame->parallel) scene->depth_offset = 0.5 * depth[0] + 0.5 * depth[1];
+  if (scene->reciprocal) scene->depth_offset = depth[1];
+  scene->farthest = (float)(depth[1] / scene->unit);
   scene->clips = frame->near_distance > depth[0] || frame->clip_count > 0 || desc->layer != NULL;
   const cellist_result result = set_up_rays(caster, frame, scene);
   if (result != CELLIST_SUCCESS) return result;

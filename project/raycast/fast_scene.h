@@ -4,7 +4,9 @@
  * Every vertex is transformed once a frame to {x, y, a, b}. A ray is a point (rx, ry); seen along the ray, a vertex
  * lies at (x - rx, y - ry), or at (x - rx a, y - ry a) where vertices may lie behind the eye. That is the 2-D basis of
  * [A] 4 and its appendix C, with the projection taken out of the walk: [A] projects a vertex with six multiplications
- * for every ray that comes by. Depth and scalar of a point are linear on a face in the two attributes a and b. */
+ * for every ray that comes by. Depth and scalar of a point are linear on a face in the two attributes a and b: z and s;
+ * or in perspective 1 - f/z and s f/z, f the farthest depth, from which depths are measured then. 1/z itself would lose
+ * the mesh's depth in its rounding where the eye is far away. */
 #ifndef CELLIST_RAYCAST_FAST_SCENE_H
 #define CELLIST_RAYCAST_FAST_SCENE_H
 
@@ -17,7 +19,7 @@
 /* Lengths are in units of half the diagonal of the mesh's bounds; scalars as fast_transfer takes them. */
 typedef struct fast_vertex {
   float x, y;
-  float a, b; /* 1/z and s/z if the scene is reciprocal, else z and s */
+  float a, b; /* 1 - f/z and s f/z if the scene is reciprocal, else z and s */
 } fast_vertex;
 
 typedef struct fast_scene {
@@ -27,7 +29,8 @@ typedef struct fast_scene {
   const float *cell_scalars; /* [tets], NaN: not drawn; NULL: scalars are on points */
   bool has_nan;              /* some scalar is NaN */
   bool sheared;              /* rays are not parallel, and vertices may lie behind the eye: x - rx a */
-  bool reciprocal;           /* a = 1/z */
+  bool reciprocal;           /* a = 1 - f/z, never above 0 */
+  float farthest;            /* f */
   bool clips;                /* something may lie outside of what is seen of a ray: tiles hold limits */
   bool wants_depth;          /* fill z and z_back */
   bool perspective;
@@ -74,7 +77,7 @@ static inline fast_crossing fast_cross(const fast_scene *scene, const fast_point
   const float sum = w[0] + w[1] + w[2];
   const float a = w[0] * p[0].a + w[1] * p[1].a + w[2] * p[2].a;
   const float b = w[0] * p[0].b + w[1] * p[1].b + w[2] * p[2].b;
-  if (scene->reciprocal) return (fast_crossing){sum / a, b / a};
+  if (scene->reciprocal) return (fast_crossing){scene->farthest * a / (sum - a), b / (sum - a)};
   return (fast_crossing){a / sum, b / sum};
 }
 

@@ -335,8 +335,8 @@ static inline __m256 cross_faces(const fast_scene *scene, const struct group *gr
   }
   for (int k = 0; k < 3; k++)
     reach = _mm256_max_ps(reach, _mm256_fmadd_ps(group->x[k], group->x[k], _mm256_mul_ps(group->y[k], group->y[k])));
-  const __m256 reciprocal = _mm256_div_ps(_mm256_set1_ps(1), scene->reciprocal ? a : sum);
-  *z = _mm256_mul_ps(scene->reciprocal ? sum : a, reciprocal);
+  const __m256 reciprocal = _mm256_div_ps(_mm256_set1_ps(1), scene->reciprocal ? _mm256_sub_ps(sum, a) : sum);
+  *z = _mm256_mul_ps(scene->reciprocal ? _mm256_mul_ps(_mm256_set1_ps(scene->farthest), a) : a, reciprocal);
   *s = _mm256_mul_ps(b, reciprocal);
   return _mm256_cmp_ps(sum, _mm256_mul_ps(_mm256_set1_ps(FAST_EDGE_ON), reach), _CMP_LT_OQ);
 }
