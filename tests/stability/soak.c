@@ -20,7 +20,7 @@
 /* Single precision in a few hundred cells of any opacity; smaller: rounding alone would fail; larger: a wrong cell in a
  * faint medium would pass. */
 static const double LIMIT = 2e-4;
-/* Of faces under light by gradients at points: it takes the highlight once a segment and more with --samples. */
+/* Of faces and soft under light by gradients at points, which they take once a segment unless --samples says more. */
 static const double LIT_LIMIT = 0.25;
 /* Pictures that are fainter are judged as if they were this bright: A is 1 - transmittance, in single precision. */
 static const double FAINT = 0.05;
@@ -107,7 +107,7 @@ static cellist_result judge(cellist_pipeline *caster, cellist_context *context, 
   /* Listed in README's limits: rays that lie in faces but for rounding. */
   const bool is_known = scene->is_along && scene->desc.renderer == CELLIST_RENDERER_FACES;
   if (scene->is_flawed || is_known) return CELLIST_SUCCESS;
-  const bool is_sampled = scene->desc.renderer == CELLIST_RENDERER_FACES && scene->desc.optics.model.light.enabled;
+  const bool is_sampled = scene->desc.renderer != CELLIST_RENDERER_CAST && scene->desc.optics.model.light.enabled;
   const double tolerance = (is_sampled ? LIT_LIMIT : LIMIT) * (peak > FAINT ? peak : FAINT);
   size_t wrong = 0, first = 0;
   double worst = 0;
