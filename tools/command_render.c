@@ -145,6 +145,9 @@ static cellist_pipeline_desc pipeline_desc(const struct render_options *options,
   if (strcmp(options->backend, "glfw") == 0) desc.backend = CELLIST_BACKEND_GLFW;
   if (strcmp(options->framebuffer, "16f") == 0) desc.framebuffer = CELLIST_FRAMEBUFFER_16F;
   if (strcmp(options->framebuffer, "8") == 0) desc.framebuffer = CELLIST_FRAMEBUFFER_8;
+  desc.width = options->size[0];
+  desc.height = options->size[1];
+  desc.frames = options->turntable > 0 ? options->turntable : options->frames;
   if (options->tets != NULL) desc.tets = (uint32_t)strtoul(options->tets, NULL, 10);
   desc.precision = strcmp(options->precision, "fast") == 0 ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE;
   return desc;
@@ -176,8 +179,9 @@ int command_render(int argc, char **argv) {
        &options.outputs},
       {"size", "WxH", "pixels (512x512)", OPTION_SIZE, options.size},
       {"renderer", "auto|faces|fan|soft|cast",
-       "how: cell projection with OpenGL (per pixel, by triangles) or without, or ray casting (auto)", OPTION_CHOICE,
-       &options.renderer},
+       "how: cell projection with OpenGL (per pixel, by triangles) or without, or ray casting (auto: soft or cast, by "
+       "counted work)",
+       OPTION_CHOICE, &options.renderer},
       {"precision", "fast|reference", "of cast: single precision, or double with a proved bound (fast)", OPTION_CHOICE,
        &options.precision},
       {"tets", "32|20|16", "of cast, fast: bytes a cell of the compact mesh (the fastest layout)", OPTION_CHOICE,

@@ -32,6 +32,7 @@ int render_report_json(const struct render_outcome *outcome) {
     json_array_append_new(left_out, json_string(stats->left_out[i].what));
   json_t *object = json_object();
   json_object_set_new(object, "renderer", json_string(stats->renderer));
+  json_object_set_new(object, "renderer_reason", json_string(stats->renderer_reason));
   json_object_set_new(object, "width", json_integer(options->size[0]));
   json_object_set_new(object, "height", json_integer(options->size[1]));
   json_object_set_new(object, "frames", json_integer(options->turntable > 0 ? options->turntable : options->frames));
@@ -110,6 +111,7 @@ int render_report_text(const struct render_outcome *outcome) {
   fprintf(to, "drawn by %s (%s, %s precision, context %s), order: %s, %ux%u pixels, %llu segments\n", stats->renderer,
           stats->method, stats->precision, stats->backend, stats->order, options->size[0], options->size[1],
           (unsigned long long)stats->fragments);
+  fprintf(to, "renderer: %s (%s)\n", stats->renderer, stats->renderer_reason);
   if (stats->exterior != NULL)
     fprintf(to, "exterior: %s, %zu imaginary cells (%s)\n", stats->exterior, stats->imaginary_cells,
             stats->exterior_reason);

@@ -12,7 +12,7 @@
 
 #include "harness.h"
 
-enum { SIZE = 80, VIEWS = 3 };
+enum { SIZE = 48, VIEWS = 3 };
 
 static const char *const CHANNELS[] = {"R", "G", "B", "A", "Z", "ZBack"};
 

@@ -1,17 +1,38 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * GL: pictures by OpenGL, where it was built in. */
+#include <string.h>
+
 #include "pipeline.h"
 
 #ifdef CELLIST_HAS_GL
 
-cellist_result pipeline_make_gl(cellist_pipeline *pipeline) {
+static cellist_result open_gl(cellist_pipeline *pipeline) {
   static const cellist_gl_backend backends[] = {[CELLIST_BACKEND_AUTO] = CELLIST_GL_AUTO,
                                                 [CELLIST_BACKEND_OSMESA] = CELLIST_GL_OSMESA,
                                                 [CELLIST_BACKEND_EGL] = CELLIST_GL_EGL,
                                                 [CELLIST_BACKEND_GLFW] = CELLIST_GL_GLFW};
   const cellist_gl_desc desc = {.backend = backends[pipeline->desc.backend]};
+  return pipeline->gl != NULL ? CELLIST_SUCCESS : cellist_gl_create(pipeline->context, &desc, &pipeline->gl);
+}
+
+bool pipeline_has_gpu(cellist_pipeline *pipeline) {
+  static const char *const software[] = {"llvmpipe", "softpipe", "swrast", "SWR", "Software"};
+  if (open_gl(pipeline) != CELLIST_SUCCESS) {
+    cellist_context_take_error(pipeline->context);
+    return false;
+  }
+  bool is_software = false;
+  for (size_t i = 0; i < sizeof software / sizeof software[0]; i++)
+    is_software = is_software || strstr(cellist_gl_device_name(pipeline->gl), software[i]) != NULL;
+  if (!is_software) return true;
+  cellist_gl_destroy(pipeline->gl);
+  pipeline->gl = NULL;
+  return false;
+}
+
+cellist_result pipeline_make_gl(cellist_pipeline *pipeline) {
   cellist_result result = pipeline_make_order(pipeline);
-  if (result == CELLIST_SUCCESS) result = cellist_gl_create(pipeline->context, &desc, &pipeline->gl);
+  if (result == CELLIST_SUCCESS) result = open_gl(pipeline);
   if (result == CELLIST_SUCCESS) result = cellist_gl_upload(pipeline->gl, pipeline->drawn, pipeline->drawn_scalar);
   return result;
 }
@@ -56,6 +77,11 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
 }
 
 #else
+
+bool pipeline_has_gpu(cellist_pipeline *pipeline) {
+  (void)pipeline;
+  return false;
+}
 
 cellist_result pipeline_make_gl(cellist_pipeline *pipeline) {
   return cellist_fail(pipeline->context, CELLIST_ERROR_UNSUPPORTED,

@@ -39,15 +39,6 @@ static void warn_of_flaws(cellist_pipeline *pipeline, const char *source) {
       cellist_log(pipeline->context, CELLIST_LOG_WARNING, "%s: %zu %s", source, flaws[i].count, flaws[i].what);
 }
 
-/* The ray caster needs no order and no OpenGL, which in software is slower; psi and tables are OpenGL's. */
-static cellist_renderer choose_renderer(const cellist_pipeline *pipeline) {
-  const cellist_renderer asked = pipeline->desc.renderer;
-#ifdef CELLIST_HAS_GL
-  if (asked == CELLIST_RENDERER_AUTO && pipeline_is_inexact(pipeline)) return CELLIST_RENDERER_FACES;
-#endif
-  return asked == CELLIST_RENDERER_AUTO ? CELLIST_RENDERER_CAST : asked;
-}
-
 static void warn_of_method(const cellist_pipeline *pipeline) {
   if (pipeline->renderer != CELLIST_RENDERER_FACES && pipeline_is_inexact(pipeline))
     cellist_log(pipeline->context, CELLIST_LOG_WARNING,
@@ -98,7 +89,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
   if (result == CELLIST_SUCCESS) result = pipeline_make_surface(created);
   if (result == CELLIST_SUCCESS) {
-    created->renderer = choose_renderer(created);
+    created->renderer = pipeline_choose(created);
     result = pipeline_plan(created);
   }
   if (result == CELLIST_SUCCESS) warn_of_method(created);
@@ -175,6 +166,7 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
   static const char *const channels[] = {"R", "G", "B", "A", "Z", "ZBack", "transmittance.Y", "cells.Y", "segments.Y"};
   cellist_image *created = NULL;
   cellist_pipeline_stats made = {.pixels = "32f",
+                                 .renderer_reason = pipeline->reason,
                                  .load_seconds = pipeline->load_seconds,
                                  .prepare_seconds = pipeline->prepare_seconds,
                                  .transfer_knots = pipeline->transfer.knot_count,

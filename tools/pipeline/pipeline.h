@@ -27,6 +27,7 @@ struct cellist_pipeline {
   cellist_transfer transfer;
   cellist_pipeline_desc desc; /* its texts are not kept */
   cellist_renderer renderer;  /* never AUTO */
+  char reason[96];            /* why it was chosen */
   cellist_isosurface *isos;   /* the pipeline's copy, which desc refers to */
   double unit_distance;
   double load_seconds, prepare_seconds;
@@ -52,6 +53,11 @@ double pipeline_seconds(void);
 
 /* The length of the bounds' diagonal. */
 double pipeline_diagonal(const cellist_pipeline *pipeline);
+
+/* choose.c: the renderer that the pipeline was asked for, or the one that suits the scene; says why. */
+cellist_renderer pipeline_choose(cellist_pipeline *pipeline);
+/* Opens an OpenGL context, and keeps it if something faster than software draws there. */
+bool pipeline_has_gpu(cellist_pipeline *pipeline);
 
 /* visible.c: marks the tets that can show something, and counts them. */
 cellist_result pipeline_find_visible(const cellist_pipeline *pipeline, uint8_t *visible, size_t *count);

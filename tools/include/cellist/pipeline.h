@@ -43,7 +43,7 @@ typedef struct cellist_pipeline_optics {
 } cellist_pipeline_optics;
 
 typedef enum cellist_renderer {
-  CELLIST_RENDERER_AUTO,  /* the one that suits the machine and the scene */
+  CELLIST_RENDERER_AUTO,  /* soft or cast, by counted work; faces where a backend is named that is not software */
   CELLIST_RENDERER_FACES, /* OpenGL, each cell exact on every pixel, in visibility order */
   CELLIST_RENDERER_FAN,   /* OpenGL, each cell as a fan of triangles, in visibility order */
   CELLIST_RENDERER_SOFT,  /* cell projection without OpenGL; composites groups exactly */
@@ -82,6 +82,8 @@ typedef struct cellist_pipeline_desc {
   cellist_mesh_read_desc read;
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
+  uint32_t width, height, frames;  /* size and number of the pictures to come, which AUTO chooses a renderer for; 0:
+                                      512 and 1 */
   cellist_order_desc order;        /* what cells are sorted with, where an exact order is needed */
   cellist_backend backend;         /* for faces and fan */
   cellist_framebuffer framebuffer; /* for faces and fan; maximum intensity is always drawn in floats */
@@ -109,6 +111,7 @@ typedef struct cellist_pipeline_stats {
   double prepare_seconds;                  /* once: the plan, what the renderer keeps, without convexify_seconds */
   double sort_seconds, draw_seconds;       /* of the last picture */
   const char *renderer, *method, *backend; /* what was used; backend is "none" without OpenGL */
+  const char *renderer_reason;             /* why this renderer; belongs to the pipeline */
   const char *pixels;                      /* "32f", "16f" or "8": what was blended in */
   const char *precision;                   /* "fast" (single precision) or "reference" */
   double error_bound;                      /* proved, of reference; infinity where none is known */

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Choose: which renderer a scene gets that asks for none, by counted work and committed constants, never by the clock.
+ *
+ * OpenGL is asked only where a context was asked for: to know whether it is more than software one must be made. Where
+ * it is software, soft and cast are several times faster than faces.
+ *
+ * Both work by fragments: a cell on a pixel. Their number is told from the tets' surfaces: a body casts, on average
+ * over all directions, a shadow of a quarter of its surface (Cauchy). soft also works by cell, and sorts where the
+ * optics need an order; cast by pixel, and by entry. */
+#include <math.h>
+#include <stdio.h>
+
+#include "pipeline.h"
+
+/* Nanoseconds of processor time, fitted to tests/bench/bench_soft over the shared meshes at 512 and 1024 pixels on one
+ * thread of an AMD EPYC that other work kept busy (milliseconds, soft / cast):
+ *
+ *            spx    torus_vt  gears_t  disk_out_ref  impeller  sci_torso  bluntfin  post
+ *   512      29/55  20/21     44/43    55/46         40/45     54/39      168/80    195/100
+ *   1024     157/195  66/99   141/160  187/182       113/123   171/214    339/289   485/283
+ *
+ * A sort's boundary face costs what plan.c says; the exterior that sorts a concave mesh fast is made once, at some 20
+ * us a boundary face (spx, bluntfin, post), and shared by the pictures to come. Other values change speed, never a
+ * picture. */
+static const double SOFT_FRAGMENT = 9, SOFT_CELL = 250, SOFT_PIXEL = 15, SORT_CELL = 25, SORT_FACE = 900;
+static const double EXTERIOR_FACE = 20000;
+static const double CAST_FRAGMENT = 9.5, CAST_CELL = 12, CAST_PIXEL = 40, CAST_FACE = 100;
+
+/* The picture that is counted for if none is named; tets of which the mean surface is taken. */
+enum { USUAL_SIZE = 512, SAMPLE_TETS = 20000 };
+
+static double area_of(const double *a, const double *b, const double *c) {
+  double e[3], f[3], n[3];
+  for (int k = 0; k < 3; k++) {
+    e[k] = b[k] - a[k];
+    f[k] = c[k] - a[k];
+  }
+  for (int k = 0; k < 3; k++) n[k] = e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3];
+  return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
+/* Surface of all tets, in squares of the bounds' diagonal. */
+static double surface_of(const cellist_pipeline *pipeline) {
+  const cellist_mesh_arrays *mesh = cellist_mesh_get_arrays(pipeline->mesh);
+  const double diagonal = pipeline_diagonal(pipeline);
+  const size_t step = mesh->tet_count / SAMPLE_TETS + 1;
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < mesh->tet_count; i += step, count++) {
+    const double *v[4];
+    for (size_t k = 0; k < 4; k++) v[k] = &mesh->positions[3 * (size_t)mesh->tets[4 * i + k]];
+    sum +=
+        area_of(v[0], v[1], v[2]) + area_of(v[0], v[1], v[3]) + area_of(v[0], v[2], v[3]) + area_of(v[1], v[2], v[3]);
+  }
+  const double all = count > 0 ? sum / (double)count * (double)mesh->tet_count : 0;
+  return diagonal > 0 && isfinite(all) ? all / diagonal / diagonal : 0;
+}
+
+/* In a view of the whole mesh, whose diagonal spans the image's height (cellist_view_orbit). */
+static double count_fragments(const cellist_pipeline *pipeline, double height) {
+  return 0.25 * surface_of(pipeline) * height * height;
+}
+
+static bool fast_cast_draws(const cellist_pipeline *pipeline) {
+  const cellist_optics *optics = &pipeline->desc.optics.model;
+  return (optics->model == CELLIST_MODEL_EMISSION_ABSORPTION || optics->model == CELLIST_MODEL_ABSORPTION) &&
+         (!optics->light.enabled || optics->model == CELLIST_MODEL_ABSORPTION);
+}
+
+cellist_renderer pipeline_choose(cellist_pipeline *pipeline) {
+  const cellist_pipeline_desc *desc = &pipeline->desc;
+  if (desc->renderer != CELLIST_RENDERER_AUTO) {
+    snprintf(pipeline->reason, sizeof pipeline->reason, "asked for");
+    return desc->renderer;
+  }
+  /* What only one of them is asked for or can do. */
+#ifdef CELLIST_HAS_GL
+  if (pipeline_is_inexact(pipeline)) {
+    snprintf(pipeline->reason, sizeof pipeline->reason, "psi and tables are OpenGL's");
+    return CELLIST_RENDERER_FACES;
+  }
+#endif
+  if (desc->backend != CELLIST_BACKEND_AUTO && pipeline_has_gpu(pipeline)) {
+    snprintf(pipeline->reason, sizeof pipeline->reason, "this OpenGL is more than software");
+    return CELLIST_RENDERER_FACES;
+  }
+  if (desc->precision == CELLIST_PRECISION_REFERENCE || desc->tets != 0) {
+    snprintf(pipeline->reason, sizeof pipeline->reason, "options of the ray caster were given");
+    return CELLIST_RENDERER_CAST;
+  }
+  if (!fast_cast_draws(pipeline)) {
+    snprintf(pipeline->reason, sizeof pipeline->reason, "the ray caster draws this model only in double precision");
+    return CELLIST_RENDERER_SOFT;
+  }
+  const double width = desc->width > 0 ? desc->width : USUAL_SIZE,
+               height = desc->height > 0 ? desc->height : USUAL_SIZE;
+  const double pixels = width * height, fragments = count_fragments(pipeline, height);
+  const double cells = (double)cellist_mesh_get_arrays(pipeline->mesh)->tet_count;
+  const double faces = (double)cellist_mesh_get_facts(pipeline->mesh)->boundary_face_count;
+  const double frames = desc->frames > 0 ? desc->frames : 1;
+  const bool sorts = desc->optics.model.model == CELLIST_MODEL_EMISSION_ABSORPTION;
+  const double soft = SOFT_FRAGMENT * fragments + SOFT_CELL * cells + SOFT_PIXEL * pixels +
+                      (sorts ? SORT_CELL * cells + (SORT_FACE + EXTERIOR_FACE / frames) * faces : 0);
+  const double cast = CAST_FRAGMENT * fragments + CAST_CELL * cells + CAST_PIXEL * pixels + CAST_FACE * faces;
+  snprintf(pipeline->reason, sizeof pipeline->reason,
+           "counted work, ms a picture: soft %.3g, cast %.3g; %.0f picture%s", 1e-6 * soft, 1e-6 * cast, frames,
+           frames > 1 ? "s" : "");
+  return soft < cast ? CELLIST_RENDERER_SOFT : CELLIST_RENDERER_CAST;
+}
