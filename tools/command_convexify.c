@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * cellist convexify: fills what lies between a mesh and its convex hull with convex cells, once, into a file. */
 #include <cellist/convexify.h>
+#include <cellist/order.h>
 #include <cellist/pipeline.h>
 #include <stdio.h>
 #include <string.h>
@@ -56,7 +57,7 @@ int command_convexify(int argc, char **argv) {
   mesh_options_init(&options, mesh_table);
   const option_spec table[] = {
       {"o", "FILE.cells", "where the result is kept; read if it is there and fits", OPTION_TEXT, &output},
-      {"exterior", "hull|box|grid|delaunay|auto", "what is added (hull); auto: delaunay, where TetGen takes the mesh",
+      {"exterior", "hull|box|grid|delaunay|auto", "what is added (hull); auto: the one that sorts fastest",
        OPTION_CHOICE, &exterior},
       {"candidates", "K", "reflex edges whose planes compete for a cut (20)", OPTION_COUNT, &candidates},
       {"score", "own|paper", "how candidates are compared (own)", OPTION_CHOICE, &score},
@@ -104,8 +105,16 @@ int command_convexify(int argc, char **argv) {
   cellist_convexify_stats stats;
   double seconds = 0;
   cellist_result result = cellist_pipeline_load(context, argv[1], &read_desc, &mesh);
+  const double begin = terminal_seconds();
+  if (result == CELLIST_SUCCESS && strcmp(exterior, "auto") == 0) {
+    const cellist_order_desc how = {.needs_complex = true};
+    cellist_order *order = NULL;
+    result = cellist_order_create(context, mesh, &how, &order);
+    for (int i = 0; i < 4 && result == CELLIST_SUCCESS; i++)
+      if (strcmp(cellist_order_get_facts(order)->exterior, EXTERIORS[i]) == 0) desc.exterior = (cellist_exterior)i;
+    cellist_order_destroy(order);
+  }
   if (result == CELLIST_SUCCESS) {
-    const double begin = terminal_seconds();
     result = cellist_convexify_cached(context, mesh, &desc, output, &complex, &stats);
     seconds = terminal_seconds() - begin;
   }

@@ -114,6 +114,38 @@ case_sort_writes_orders_and_figures() {
   one_line
 }
 
+case_exteriors_are_chosen_and_kept() {
+  local exterior
+  for exterior in none hull box grid delaunay; do
+    expect 0 sort sample:gears:2000 --exterior $exterior --views 3 --verify 600 --json --no-cache
+    json "j['exterior'] in ('$exterior', 'hull') and j['unsorted'] == 0 and j['inversions'] == 0 and j['pairs'] > 0"
+    json "not j['cached'] and (j['imaginary_cells'] > 0) == ('$exterior' != 'none')"
+  done
+  [ ! -e "$XDG_CACHE_HOME" ] || fail "--no-cache wrote something"
+  expect 0 sort sample:gears:2000 --json
+  json "j['exterior'] != 'auto' and 'plain sort = 1' in j['exterior_reason'] and not j['cached']"
+  cp out first
+  [ "$(ls "$XDG_CACHE_HOME/cellist"/*.cells | wc -l)" -eq 1 ] || fail "the exterior is not kept"
+  expect 0 sort sample:gears:2000 --json
+  json "j['cached'] and all(j[k] == json.load(open('first'))[k] for k in ('exterior', 'exterior_reason', 'imaginary_cells'))"
+  expect 0 render sample:gears:2000 -o a.exr --renderer soft --tf viridis --size 32x32 --cache mine --json
+  json "j['exterior'] != 'none' and j['imaginary_cells'] > 0 and 'exterior_reason' in j"
+  [ "$(ls mine/*.cells | wc -l)" -eq 1 ] || fail "--cache is not used"
+  expect 0 render sample:gears:2000 -o a.exr --renderer cast --size 32x32 --cache other
+  [ ! -e other ] || fail "an exterior was made where no order is needed"
+  expect 0 sort sample:grid --json
+  json "j['exterior'] == 'none' and 'convex' in j['exterior_reason']"
+  expect 0 sort sample:gears:2000 --cache /dev/null/cellist --json
+  says "cannot be written"
+  expect 0 sort sample:gears:2000 --gaps complex --json
+  json "j['imaginary_cells'] > 0"
+  expect 0 sort sample:gears:2000 --gaps overlap --json
+  json "j['exterior'] == 'none' and j['gap_arcs'] > 0"
+  expect 2 sort sample:gears --gaps overlap --exterior hull
+  expect 2 sort sample:gears --exterior sphere
+  expect 2 sort sample:gears --cache a --no-cache
+}
+
 case_help_and_version() {
   expect 0 --help && grep -q render out || fail "no overview"
   expect 0 --version && grep -Eq '^cellist [0-9]+\.[0-9]+\.[0-9]+$' out || fail "no version"

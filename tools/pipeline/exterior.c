@@ -60,7 +60,7 @@ cellist_sorter *cellist_order_sorter(const cellist_order *order) { return order-
 const cellist_order_facts *cellist_order_get_facts(const cellist_order *order) { return &order->facts; }
 
 /* The order's sorter, with its complex if it has one. */
-static cellist_result make_sorter(cellist_order *order) {
+static cellist_result make_sorter(cellist_order *order, const uint8_t *wanted) {
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(order->mesh);
   cellist_sorter_desc desc = {.point_count = a->point_count,
                               .points = a->positions,
@@ -85,7 +85,9 @@ static cellist_result make_sorter(cellist_order *order) {
     desc.complex = &complex;
   }
 #endif
-  const cellist_result result = cellist_sorter_create(order->context, &desc, &order->sorter);
+  const cellist_result result = wanted != NULL
+                                    ? cellist_sorter_create_subset(order->context, &desc, wanted, &order->sorter)
+                                    : cellist_sorter_create(order->context, &desc, &order->sorter);
   if (result == CELLIST_SUCCESS) order->facts.convex = cellist_sorter_is_convex(order->sorter);
   return result;
 }
@@ -182,7 +184,7 @@ static cellist_result read_kept(cellist_context *context, const cellist_mesh *me
     if (name == NULL && made->complex != NULL) name = name_of(stats.exterior);
     if (name != NULL) made->facts.exterior = name;
     made->facts.cached = true;
-    result = name == NULL ? CELLIST_ERROR_NOT_FOUND : make_sorter(made);
+    result = name == NULL ? CELLIST_ERROR_NOT_FOUND : make_sorter(made, NULL);
   }
   if (result == CELLIST_SUCCESS) {
     *order = made;
@@ -247,7 +249,7 @@ static cellist_result try_exterior(cellist_context *context, const cellist_mesh 
   if (result != CELLIST_SUCCESS) return result;
   const cellist_convexify_desc desc = convexify_desc(exterior);
   result = cellist_convexify(context, mesh, &desc, &made->complex, stats);
-  if (result == CELLIST_SUCCESS) result = make_sorter(made);
+  if (result == CELLIST_SUCCESS) result = make_sorter(made, NULL);
   if (result != CELLIST_SUCCESS) {
     cellist_order_destroy(made);
     return result;
@@ -367,7 +369,7 @@ cellist_result cellist_order_create(cellist_context *context, const cellist_mesh
   if (desc == NULL) desc = &defaults;
   cellist_order *plain = NULL, *made = NULL;
   cellist_result result = create_empty(context, mesh, &plain);
-  if (result == CELLIST_SUCCESS) result = make_sorter(plain);
+  if (result == CELLIST_SUCCESS) result = make_sorter(plain, NULL);
   if (result != CELLIST_SUCCESS) {
     cellist_order_destroy(plain);
     return result;
@@ -394,6 +396,13 @@ cellist_result cellist_order_create(cellist_context *context, const cellist_mesh
       result = cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this build has no convexifier for an exterior");
     }
 #endif
+  }
+  /* The choice is the whole mesh's, so that what is kept does not depend on what is wanted. */
+  if (result == CELLIST_SUCCESS && desc->wanted != NULL) {
+    cellist_sorter_destroy(made->sorter);
+    made->sorter = NULL;
+    result = make_sorter(made, desc->wanted);
+    if (result != CELLIST_SUCCESS) cellist_order_destroy(made);
   }
   if (result != CELLIST_SUCCESS) return result;
   made->facts.seconds = pipeline_seconds() - begin;

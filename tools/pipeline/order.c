@@ -16,6 +16,7 @@ static cellist_result make_sorter(cellist_pipeline *pipeline) {
   if (pipeline->desc.sorting == CELLIST_SORTING_CENTROID)
     return cellist_peer_create(pipeline->context, &mesh, "centroid", &pipeline->peer);
   cellist_order_desc desc = pipeline->desc.order;
+  desc.wanted = pipeline->visible;
   if (pipeline->part != NULL && desc.exterior == CELLIST_ORDER_AUTO && !desc.needs_complex)
     desc.exterior = CELLIST_ORDER_NONE;
   const cellist_result result = cellist_order_create(pipeline->context, pipeline->drawn, &desc, &pipeline->sorted);
@@ -72,6 +73,10 @@ static cellist_result sort_anew(cellist_pipeline *pipeline, const cellist_viewpo
   if (result != CELLIST_SUCCESS) {
     cellist_pipeline_forget_order(pipeline);
     return result;
+  }
+  if (pipeline->peer == NULL) { /* the sorter leaves invisible tets out itself */
+    pipeline->order_count = cellist_sorter_order_size(pipeline->sorter);
+    return CELLIST_SUCCESS;
   }
   pipeline->order_count = cellist_mesh_get_arrays(pipeline->drawn)->tet_count;
   pipeline_filter_order(pipeline);

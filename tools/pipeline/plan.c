@@ -4,7 +4,8 @@
  *
  * Invisible cells are left out in one of two ways. Where the visible ones are cheap to draw as a mesh of their own,
  * they become one: nothing else is walked, sorted or transformed. Where cutting them out would leave a surface so
- * ragged that its gaps cost more than the cells saved, the whole mesh is sorted and only the order is filtered. */
+ * ragged that its gaps cost more than the cells saved, only the cells that lie among the
+ * visible ones are sorted, and the order holds the visible ones. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -142,7 +143,7 @@ void pipeline_note_plan(const cellist_pipeline *pipeline, cellist_pipeline_stats
   stats->visible_cells = pipeline->visible_count;
   if (pipeline->drawn != pipeline->mesh || pipeline->visible != NULL)
     pipeline_leave_out(stats, "invisible cells", "%zu of %zu can show nothing%s", tet_count - pipeline->visible_count,
-                       tet_count, pipeline->visible != NULL ? "; sorted with the others, not drawn" : "");
+                       tet_count, pipeline->visible != NULL ? "; sorted only where they lie among the others" : "");
   if (pipeline->desc.no_plan) return;
   if (!pipeline->desc.optics.model.light.enabled) pipeline_leave_out(stats, "light", "no light in the scene");
   if (strcmp(stats->order, "exact") == 0 && stats->group_count == 0)

@@ -24,6 +24,7 @@ typedef enum cellist_order_exterior {
 typedef struct cellist_order_desc {
   cellist_order_exterior exterior;
   bool needs_complex;          /* AUTO: not NONE, unless no exterior can be made */
+  const uint8_t *wanted;       /* as cellist_sorter_create_subset, read during the call only; NULL: all tets */
   const char *cache_directory; /* where complexes are kept (made if it is not there), or NULL; a place that cannot be
                                   written is a warning */
   const char *cache_file;      /* or the one file to keep this one in; what cannot be written then is an error */
