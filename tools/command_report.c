@@ -40,6 +40,7 @@ static cellist_result make_report(cellist_context *context, report_run *report) 
   if (result == CELLIST_SUCCESS) result = report_rows_resume(context, report);
   for (size_t i = 0; i < report->mesh_count && result == CELLIST_SUCCESS; i++)
     result = report_measure(context, report, i);
+  if (result == CELLIST_SUCCESS && report->options->stability) result = report_stability(context, &stability);
   report_mark_pareto(report);
   if (result == CELLIST_SUCCESS) result = report_write_csv(context, report);
   if (result == CELLIST_SUCCESS) result = write_json(context, report, stability);
@@ -73,6 +74,8 @@ int command_report(int argc, char **argv) {
       {"threads", "N", "threads to use (one per processor)", OPTION_COUNT, &options.threads},
       {"peer", "FILE.csv", "figures of other programs for the charts: columns mesh, name, seconds, rmse", OPTION_TEXT,
        &options.peers},
+      {"stability", "", "also run the suite of stiff and extreme scenes, and show its table", OPTION_FLAG,
+       &options.stability},
       {"json", "", "print what was done as one JSON object", OPTION_FLAG, &options.json},
       {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };

@@ -313,6 +313,16 @@ for mesh in ('sample_grid', 'sample_l_shape'):
 assert 'other, 1' in open(folder + '/charts/sample_grid.svg').read()
 assert not os.path.exists(folder + '/report.rows')
 END
+  expect 0 report sample:grid -o stable --size 16x16 --frames 1 --stability
+  python3 - <<'END' || fail "the stability page is not whole"
+import json
+rows = json.load(open('stable/report.json'))['stability']
+assert len(rows) > 200 and {r['judged by'] for r in rows} >= {'cast', 'soft', 'faces', 'order'}
+assert all(r['verdict'] in ('passes', 'known', 'refused') for r in rows), [r for r in rows if r['verdict'] == 'fails']
+assert all(r['must'] and r['exercises'] and (r['verdict'] == 'passes' or r['says']) for r in rows)
+page = open('stable/report.html').read()
+assert all('>' + r['case'] + '<' in page for r in rows)
+END
   printf 'mesh,name,seconds,rmse\nx,y,fast,1\n' >peer.csv
   expect 1 report sample:grid -o b --size 32x32 --peer peer.csv && says "peer.csv: line 2: seconds 'fast'" && one_line
   printf 'mesh,seconds\n' >peer.csv

@@ -103,6 +103,10 @@ json_t *report_machine(void);
 cellist_result report_check_gnuplot(cellist_context *context);
 cellist_result report_write_charts(cellist_context *context, const report_run *report);
 
+/* stability_page.c: runs the stability suite. *rows: one object a case and renderer, or order; the caller's.
+ * Errors: those of building scenes; what a renderer cannot do is a verdict. */
+cellist_result report_stability(cellist_context *context, json_t **rows);
+
 /* html.c: one page that holds everything. stability may be NULL: the table of the stability suite. */
 cellist_result report_write_html(cellist_context *context, const report_run *report, const json_t *stability);
 
