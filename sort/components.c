@@ -42,12 +42,9 @@ static const size_t OPEN = SIZE_MAX / 2 + 1;
 static inline uint32_t next_target(const cellist_sorter *sorter, struct sort_step *step) {
   const size_t cell_count = sorter->cells.count;
   if (step->node < cell_count) {
-    for (uint32_t left = (uint32_t)(sorter->state[step->node] & 15) >> step->arc; step->arc < 4 && left != 0;) {
-      const uint32_t k = step->arc + (uint32_t)__builtin_ctz(left);
-      step->arc = k + 1;
-      return sorter->cells.neighbours[4 * (size_t)step->node + k];
-    }
-    if (step->arc < 4) step->arc = 4;
+    for (; step->arc < 4; step->arc++)
+      if (sorter->state[step->node] >> step->arc & 1)
+        return sorter->cells.neighbours[4 * (size_t)step->node + step->arc++];
     if (!(sorter->state[step->node] & SORT_HAS_ARCS)) return CELLIST_NONE;
   } else if (step->arc < 4) {
     step->arc = 4;
