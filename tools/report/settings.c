@@ -16,6 +16,7 @@ static const report_setting SETTINGS[] = {
     {.factor = "renderer", .name = "cast fast", .renderer = CELLIST_RENDERER_CAST},
     {.factor = "renderer", .name = "soft", .renderer = CELLIST_RENDERER_SOFT},
     {.factor = "renderer", .name = "faces", FACES},
+    {.factor = "renderer", .name = "fan", .renderer = CELLIST_RENDERER_FAN},
     {.factor = "integration", .name = "faces psi", FACES, .integration = CELLIST_INTEGRATION_PSI},
     {.factor = "integration", .name = "faces table 32^3", FACES, TABLE, .table_size = {32, 32}},
     {.factor = "integration", .name = "faces table 64^3", FACES, TABLE, .table_size = {64, 64}},
@@ -78,6 +79,7 @@ void report_setting_apply(const report_setting *setting, cellist_pipeline_desc *
 const char *report_renderer_name(const report_setting *setting) {
   switch (setting->renderer) {
     case CELLIST_RENDERER_FACES: return "faces";
+    case CELLIST_RENDERER_FAN: return "fan";
     case CELLIST_RENDERER_SOFT: return "soft";
     default: return setting->precision == CELLIST_PRECISION_REFERENCE ? "cast reference" : "cast fast";
   }
