@@ -115,6 +115,7 @@ static void release_objects(cellist_gl *gl) {
   const gl_api *api = &gl->api;
   gl_target_release(api, &gl->target);
   gl_limits_release(api, &gl->limits);
+  gl_surface_release(api, &gl->surface);
   gl_tables_release(gl->context, api, &gl->tables);
   gl_groups_release(gl);
   const GLuint *programs = &gl->programs[0][0][0];
@@ -338,6 +339,28 @@ static cellist_result prepare_tables(const gl_drawing *drawing) {
   return gl_tables_prepare(gl->context, &gl->api, &use, &gl->tables);
 }
 
+/* What ends the rays of cells: the surface, drawn first, and clip planes. */
+static cellist_result draw_surface(gl_drawing *drawing) {
+  cellist_gl *gl = drawing->gl;
+  const gl_api *api = &gl->api;
+  const cellist_surface *surface = drawing->settings->surface;
+  const cellist_light *light = &drawing->settings->optics.light;
+  drawing->with_limits = drawing->frame->clip_count > 0 || surface != NULL;
+  if (!drawing->with_limits) return CELLIST_SUCCESS;
+  const bool by_gl = surface != NULL && gl_surface_fits(api, surface);
+  cellist_result result = CELLIST_SUCCESS;
+  if (!by_gl) result = surface_layer_make(gl->context, surface, drawing->frame, light, &drawing->layer);
+  api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
+  if (result == CELLIST_SUCCESS)
+    result = gl_limits_make(gl->context, api, drawing->frame, &drawing->layer, by_gl, &gl->limits);
+  if (result != CELLIST_SUCCESS || !by_gl) return result;
+  result = gl_surface_draw(gl->context, api, surface, drawing->frame, light, gl->no_vertices, GL_UNIT_SURFACE,
+                           &gl->limits, &gl->surface, &drawing->layer);
+  api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
+  api->BindTexture(GL_TEXTURE_2D, gl->limits.behind);
+  return result;
+}
+
 /* With the OpenGL context current. */
 static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_image *image) {
   cellist_gl *gl = drawing->gl;
@@ -349,13 +372,11 @@ static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_i
       gl_target_begin(gl->context, api, &gl->target, frame->width, frame->height,
                       maximum ? CELLIST_FRAMEBUFFER_32F : drawing->settings->framebuffer, drawing->with_depth, maximum);
   if (result != CELLIST_SUCCESS) return result;
+  result = draw_surface(drawing);
+  if (result != CELLIST_SUCCESS) return result;
+  gl_target_use(api, &gl->target, maximum);
   bind_buffers(drawing);
-  drawing->with_limits = frame->clip_count > 0 || drawing->layer.depth != NULL;
-  if (drawing->with_limits) {
-    api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
-    result = gl_limits_make(gl->context, api, frame, &drawing->layer, &gl->limits);
-  }
-  if (result == CELLIST_SUCCESS) result = prepare_tables(drawing);
+  result = prepare_tables(drawing);
   if (result == CELLIST_SUCCESS) result = draw_order(drawing, order);
   if (result == CELLIST_SUCCESS) result = gl_check_errors(gl, "drawing");
   if (result == CELLIST_SUCCESS)
@@ -404,8 +425,7 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   const double margin = gl->subpixel + fmax(frame->width, frame->height) * FLT_EPSILON;
   result = gl_cells_begin(context, &gl->mesh, frame, &drawing.intervals, &light, margin, &drawing.cells);
   if (result == CELLIST_SUCCESS) {
-    result = surface_layer_make(context, settings->surface, frame, &settings->optics.light, &drawing.layer);
-    if (result == CELLIST_SUCCESS) result = enter(gl);
+    result = enter(gl);
     if (result == CELLIST_SUCCESS) {
       result = draw(&drawing, order, image);
       gl->backend->leave(gl->state);

@@ -10,7 +10,7 @@ if(NOT OSMESA_FOUND AND NOT EGL_FOUND)
   message(FATAL_ERROR "gl: neither OSMesa nor EGL was found; install libosmesa6-dev or libegl-dev, or leave gl out of CELLIST_MODULES")
 endif()
 
-set(gl_sources api batch cells context fan footprint gl groups integrators intervals light limits program records stages tables target)
+set(gl_sources api batch cells context fan footprint gl groups integrators intervals light limits program records stages surface tables target)
 set(gl_libraries "")
 set(gl_packages "")
 foreach(backend IN ITEMS OSMESA EGL GLFW)
@@ -22,7 +22,7 @@ foreach(backend IN ITEMS OSMESA EGL GLFW)
   endif()
 endforeach()
 list(TRANSFORM gl_sources REPLACE "(.+)" "gl/\\1.c")
-set(gl_shaders faces.vert everywhere.vert fan.vert segment.glsl cell.glsl fan.glsl faces.frag small_groups.frag list_nodes.glsl list.frag
+set(gl_shaders surface.vert surface.frag faces.vert everywhere.vert fan.vert segment.glsl cell.glsl fan.glsl faces.frag small_groups.frag list_nodes.glsl list.frag
   list_resolve.frag layer.frag layer_resolve.frag exact.glsl exact_lit.glsl emission.glsl maximum.glsl isosurfaces.glsl part.glsl
   light.glsl lit.glsl unlit.glsl psi.glsl table.glsl)
 list(TRANSFORM gl_shaders PREPEND gl/shaders/)

@@ -43,19 +43,24 @@ static void fill_rows(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
+static void send(const gl_api *api, const struct job *job, GLuint *texture) {
+  if (*texture == 0) api->GenTextures(1, texture);
+  api->BindTexture(GL_TEXTURE_2D, *texture);
+  api->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  api->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  api->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  api->TexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, (GLsizei)job->frame->width, (GLsizei)job->frame->height, 0, GL_RG,
+                  GL_FLOAT, job->pixels);
+}
+
 cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame,
-                              const surface_layer *layer, gl_limits *limits) {
+                              const surface_layer *layer, bool twice, gl_limits *limits) {
   struct job job = {.frame = frame, .layer = layer};
   job.pixels = cellist_allocate(context, (size_t)frame->width * frame->height, sizeof *job.pixels);
   if (job.pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   cellist_parallel_for(context, frame->height, ROW_GRAIN, fill_rows, &job);
-  if (limits->texture == 0) api->GenTextures(1, &limits->texture);
-  api->BindTexture(GL_TEXTURE_2D, limits->texture);
-  api->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  api->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  api->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  api->TexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, (GLsizei)frame->width, (GLsizei)frame->height, 0, GL_RG, GL_FLOAT,
-                  job.pixels);
+  if (twice) send(api, &job, &limits->behind);
+  send(api, &job, &limits->texture);
   limits->width = frame->width;
   limits->height = frame->height;
   cellist_deallocate(context, job.pixels);
@@ -63,6 +68,7 @@ cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const
 }
 
 void gl_limits_release(const gl_api *api, gl_limits *limits) {
-  if (limits->texture != 0) api->DeleteTextures(1, &limits->texture);
+  const GLuint textures[] = {limits->texture, limits->behind}; /* names of 0 are overlooked */
+  api->DeleteTextures(2, textures);
   *limits = (gl_limits){0};
 }

@@ -9,6 +9,7 @@
 #include "context.h"
 #include "integrators.h"
 #include "limits.h"
+#include "surface.h"
 #include "target.h"
 
 /* What a program does with a fragment of a cell (or, to resolve, with a pixel). */
@@ -69,6 +70,7 @@ struct cellist_gl {
   gl_scale scale;
   gl_target target;
   gl_limits limits;
+  gl_surface surface;
   GLuint programs[GL_STAGE_COUNT][GL_INTEGRATOR_COUNT][GL_VARIANT_COUNT];
   GLuint query, vertices, fan_vertices, no_vertices;
   GLuint corner_buffer, fan_buffer;
@@ -110,7 +112,8 @@ enum {
   GL_UNIT_LAST_LAYER,
   GL_UNIT_LAYER_COLOUR,
   GL_UNIT_LIMITS,
-  GL_UNIT_TABLES /* up to three, see gl_tables_bind */
+  GL_UNIT_TABLES,                      /* up to three, see gl_tables_bind */
+  GL_UNIT_SURFACE = GL_UNIT_TABLES + 3 /* five, see gl_surface_draw */
 };
 
 /* Makes the stage's program current, compiled when first used. */
