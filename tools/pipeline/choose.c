@@ -4,10 +4,8 @@
  * OpenGL is asked only where a context was asked for: to know whether it is more than software one must be made. Where
  * it is software, soft and cast are several times faster than faces.
  *
- * Both work by fragments: a cell on a pixel. Their number is told from the tets' surfaces: a body casts, on average
- * over all directions, a shadow of a quarter of its surface (Cauchy). soft also works by cell, and sorts where the
- * optics need an order; cast by pixel, and by entry. */
-#include <math.h>
+ * Both work by fragments (a cell on a pixel), which are estimated from the tets' shadows. soft also works by cell, and
+ * sorts where the optics need an order; cast by pixel, and by entry. */
 #include <stdio.h>
 
 #include "pipeline.h"
@@ -26,39 +24,17 @@ static const double SOFT_FRAGMENT = 9, SOFT_CELL = 250, SOFT_PIXEL = 15, SORT_CE
 static const double EXTERIOR_FACE = 20000;
 static const double CAST_FRAGMENT = 9.5, CAST_CELL = 12, CAST_PIXEL = 40, CAST_FACE = 100;
 
-/* The picture that is counted for if none is named; tets of which the mean surface is taken. */
-enum { USUAL_SIZE = 512, SAMPLE_TETS = 20000 };
+/* The picture that is counted for if none is named. */
+enum { USUAL_SIZE = 512 };
 
-static double area_of(const double *a, const double *b, const double *c) {
-  double e[3], f[3], n[3];
-  for (int k = 0; k < 3; k++) {
-    e[k] = b[k] - a[k];
-    f[k] = c[k] - a[k];
-  }
-  for (int k = 0; k < 3; k++) n[k] = e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3];
-  return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-}
-
-/* Surface of all tets, in squares of the bounds' diagonal. */
-static double surface_of(const cellist_pipeline *pipeline) {
-  const cellist_mesh_arrays *mesh = cellist_mesh_get_arrays(pipeline->mesh);
-  const double diagonal = pipeline_diagonal(pipeline);
-  const size_t step = mesh->tet_count / SAMPLE_TETS + 1;
-  double sum = 0;
-  size_t count = 0;
-  for (size_t i = 0; i < mesh->tet_count; i += step, count++) {
-    const double *v[4];
-    for (size_t k = 0; k < 4; k++) v[k] = &mesh->positions[3 * (size_t)mesh->tets[4 * i + k]];
-    sum +=
-        area_of(v[0], v[1], v[2]) + area_of(v[0], v[1], v[3]) + area_of(v[0], v[2], v[3]) + area_of(v[1], v[2], v[3]);
-  }
-  const double all = count > 0 ? sum / (double)count * (double)mesh->tet_count : 0;
-  return diagonal > 0 && isfinite(all) ? all / diagonal / diagonal : 0;
-}
-
-/* In a view of the whole mesh, whose diagonal spans the image's height (cellist_view_orbit). */
-static double count_fragments(const cellist_pipeline *pipeline, double height) {
-  return 0.25 * surface_of(pipeline) * height * height;
+/* Of the usual view; 0 if the mesh has no extent to look at. */
+static double count_fragments(const cellist_pipeline *pipeline, uint32_t width, uint32_t height) {
+  const cellist_view view = cellist_view_orbit(cellist_mesh_get_arrays(pipeline->mesh)->bounds, 30.96, 34.45);
+  cellist_frame frame;
+  if (cellist_frame_from_view(pipeline->context, &view, width, height, &frame) == CELLIST_SUCCESS)
+    return cellist_pipeline_estimate_fragments(pipeline->mesh, &frame);
+  cellist_context_take_error(pipeline->context);
+  return 0;
 }
 
 static bool fast_cast_draws(const cellist_pipeline *pipeline) {
@@ -92,9 +68,9 @@ cellist_renderer pipeline_choose(cellist_pipeline *pipeline) {
     snprintf(pipeline->reason, sizeof pipeline->reason, "the ray caster draws this model only in double precision");
     return CELLIST_RENDERER_SOFT;
   }
-  const double width = desc->width > 0 ? desc->width : USUAL_SIZE,
-               height = desc->height > 0 ? desc->height : USUAL_SIZE;
-  const double pixels = width * height, fragments = count_fragments(pipeline, height);
+  const uint32_t width = desc->width > 0 ? desc->width : USUAL_SIZE;
+  const uint32_t height = desc->height > 0 ? desc->height : USUAL_SIZE;
+  const double pixels = (double)width * height, fragments = count_fragments(pipeline, width, height);
   const double cells = (double)cellist_mesh_get_arrays(pipeline->mesh)->tet_count;
   const double faces = (double)cellist_mesh_get_facts(pipeline->mesh)->boundary_face_count;
   const double frames = desc->frames > 0 ? desc->frames : 1;
