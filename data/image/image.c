@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+enum { PLANE_GRAIN = 16 }; /* floats of a cache line, on which each plane begins */
+
 static char *copy_text(cellist_context *context, const char *text) {
   const size_t size = strlen(text) + 1;
   char *copy = cellist_allocate(context, size, 1);
@@ -27,6 +29,8 @@ cellist_result cellist_image_create(cellist_context *context, uint32_t width, ui
   if (context == NULL) return CELLIST_ERROR_INVALID_ARGUMENT;
   if (image == NULL || channels == NULL || width == 0 || height == 0 || channel_count == 0)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "an image needs pixels and channels");
+  if ((size_t)width * height > SIZE_MAX / (2 * sizeof(float)))
+    return cellist_fail(context, CELLIST_ERROR_OUT_OF_MEMORY, "no memory holds %ux%u pixels", width, height);
   cellist_result result = check_channels(context, channels, channel_count);
   if (result != CELLIST_SUCCESS) return result;
   cellist_image *created = cellist_allocate_zeroed(context, 1, sizeof *created);
@@ -35,12 +39,14 @@ cellist_result cellist_image_create(cellist_context *context, uint32_t width, ui
   created->width = width;
   created->height = height;
   created->channels = cellist_allocate_zeroed(context, channel_count, sizeof *created->channels);
-  bool ok = created->channels != NULL;
+  const size_t plane_size = ((size_t)width * height + PLANE_GRAIN - 1) / PLANE_GRAIN * PLANE_GRAIN;
+  created->planes = cellist_allocate_zeroed(context, channel_count, plane_size * sizeof *created->planes);
+  bool ok = created->channels != NULL && created->planes != NULL;
   for (size_t i = 0; i < channel_count && ok; i++) {
     image_channel *channel = &created->channels[created->channel_count++];
     channel->name = copy_text(context, channels[i]);
-    channel->plane = cellist_allocate_zeroed(context, (size_t)width * height, sizeof *channel->plane);
-    ok = channel->name != NULL && channel->plane != NULL;
+    channel->plane = created->planes + i * plane_size;
+    ok = channel->name != NULL;
   }
   if (!ok) {
     cellist_image_destroy(created);
@@ -53,15 +59,13 @@ cellist_result cellist_image_create(cellist_context *context, uint32_t width, ui
 void cellist_image_destroy(cellist_image *image) {
   if (image == NULL) return;
   cellist_context *context = image->context;
-  for (size_t i = 0; i < image->channel_count; i++) {
-    cellist_deallocate(context, image->channels[i].name);
-    cellist_deallocate(context, image->channels[i].plane);
-  }
+  for (size_t i = 0; i < image->channel_count; i++) cellist_deallocate(context, image->channels[i].name);
   for (size_t i = 0; i < image->attribute_count; i++) {
     cellist_deallocate(context, image->attributes[i].name);
     cellist_deallocate(context, image->attributes[i].value);
   }
   cellist_deallocate(context, image->channels);
+  cellist_deallocate(context, image->planes);
   cellist_deallocate(context, image->attributes);
   cellist_deallocate(context, image);
 }

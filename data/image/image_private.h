@@ -7,7 +7,7 @@
 
 typedef struct image_channel {
   char *name;
-  float *plane;
+  float *plane; /* in the image's planes */
 } image_channel;
 
 typedef struct image_attribute {
@@ -19,6 +19,7 @@ struct cellist_image {
   uint32_t width, height;
   size_t channel_count;
   image_channel *channels;
+  float *planes; /* of all channels, one block: so that large ones lie in huge pages */
   size_t attribute_count;
   image_attribute *attributes;
 };

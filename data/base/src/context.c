@@ -1,15 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Context: allocator, first error message, log and progress. The workers live in workers.c. */
+#define _DEFAULT_SOURCE /* madvise */
 #include "context_private.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 /* Cache line and the widest vector register that any kernel loads: smaller breaks aligned vector loads. */
 enum { BLOCK_ALIGNMENT = 64 };
+/* Blocks from LARGE_BLOCK bytes on are aligned to, and asked to lie in, huge pages: a page fault for each 2 MiB instead
+ * of each 4 KiB, and fewer misses where a mesh is walked at random. */
+enum { HUGE_PAGE = 2 << 20, LARGE_BLOCK = 2 * HUGE_PAGE };
 /* No machine that this runs on has more processors; thousands of threads would starve it of processes. */
 enum { WORKER_LIMIT = 256 };
 
@@ -32,9 +37,15 @@ const char *cellist_result_string(cellist_result result) {
 
 static void *default_allocate(void *user, size_t size) {
   (void)user;
-  if (size > SIZE_MAX - BLOCK_ALIGNMENT) return NULL;
-  size_t rounded = (size + BLOCK_ALIGNMENT - 1) / BLOCK_ALIGNMENT * BLOCK_ALIGNMENT;
-  return aligned_alloc(BLOCK_ALIGNMENT, rounded);
+  const size_t alignment = size >= LARGE_BLOCK ? HUGE_PAGE : BLOCK_ALIGNMENT;
+  if (size > SIZE_MAX - alignment) return NULL;
+  const size_t rounded = (size + alignment - 1) / alignment * alignment;
+  void *block = aligned_alloc(alignment, rounded);
+#ifdef MADV_HUGEPAGE
+  if (block != NULL && alignment == HUGE_PAGE)
+    (void)madvise(block, rounded, MADV_HUGEPAGE); /* advice; may be refused */
+#endif
+  return block;
 }
 
 static void default_deallocate(void *user, void *block) {
