@@ -3,11 +3,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include <cellist/convexify.h>
 #include <cellist/generate.h>
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "check_rays.h"
 #include "harness.h"
 
 static cellist_mesh *sample(cellist_context *context, const char *name, size_t size) {

@@ -5,7 +5,7 @@
 #include <cellist/generate.h>
 #include <string.h>
 
-#include "check_rays.h"
+#include "check_faults.h"
 #include "harness.h"
 
 static void check_mesh(cellist_context *context, const cellist_mesh *mesh, cellist_exterior exterior, uint64_t seeds,
@@ -20,7 +20,7 @@ static void check_mesh(cellist_context *context, const cellist_mesh *mesh, celli
     assert_true(stats.volume_error <= 1e-12);
     assert_int_equal(stats.convexity_violations, 0);
     fit += stats.imaginary_cells <= most;
-    check_rays(complex, mesh, rays, seed, 1e-10);
+    check_faults(complex, mesh, rays, seed);
     cellist_complex_destroy(complex);
   }
   assert_true(2 * fit >= seeds); /* the median */

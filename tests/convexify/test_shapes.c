@@ -3,7 +3,7 @@
  * the simple ones; for all of them volumes must add up, cells be convex and rays cross them end to end. */
 #include <cellist/convexify.h>
 
-#include "check_rays.h"
+#include "check_faults.h"
 #include "harness.h"
 #include "shapes.h"
 
@@ -56,7 +56,7 @@ static void check(const shape *s, cellist_exterior exterior, size_t cells) {
     assert_true(stats.volume_error <= 1e-12);
     assert_int_equal(stats.convexity_violations, 0);
     if (cells != SIZE_MAX) assert_int_equal(stats.imaginary_cells, cells);
-    check_rays(complex, mesh, 40, seed, 1e-12);
+    check_faults(complex, mesh, 40, seed);
     cellist_complex_destroy(complex);
   }
   cellist_mesh_destroy(mesh);
