@@ -12,9 +12,10 @@ struct cellist_complex {
   cellist_complex_arrays arrays;
 };
 
-/* How far a rounded vertex may stand beyond a plane, in units of the mesh's largest extent and coordinate: a vertex is
- * rounded twice at most, and planes evaluated in double add some more. Smaller: sound complexes fail. */
-static const double ROUNDING = 1e-13;
+/* How far a rounded vertex may stand from where it is: a part of the extent, for what is computed in double, and one of
+ * the largest coordinate, for the coordinates themselves (half a unit in the last place along each axis: 0.9 of this).
+ * Smaller: sound complexes fail. */
+static const double ROUNDING = 1e-13, COORDINATE_ROUNDING = 2 * 0x1p-53;
 
 static cellist_result check_ids(cellist_context *context, const cellist_complex_arrays *a) {
   if (a->cell_count < a->tet_count || a->cell_count >= CELLIST_NONE || a->facet_count >= CELLIST_NONE)
@@ -108,6 +109,11 @@ const cellist_complex_arrays *cellist_complex_get_arrays(const cellist_complex *
 
 /* ---- Validity -------------------------------------------------------------------------------------- */
 
+struct frame {
+  const double *origin; /* a vertex */
+  double extent, largest;
+};
+
 struct plane {
   double normal[3], offset; /* unit normal towards the positive side: n.x - offset */
 };
@@ -165,18 +171,24 @@ static double slenderness(const cellist_complex_arrays *a, uint32_t plane, doubl
   return height > 0 ? 1 + 1 / fmin(height, 1) : HUGE_VAL;
 }
 
+/* How far a corner may stand from a plane that it lies in: planes are stored exactly, so only what is computed with
+ * them suffers from slender triples. */
+static double plane_tolerance(const cellist_complex_arrays *a, uint32_t plane, const struct frame *frame) {
+  return ROUNDING * frame->extent * slenderness(a, plane, frame->extent) + COORDINATE_ROUNDING * frame->largest;
+}
+
 static bool reject(cellist_context *context, const char *what, size_t which) {
   cellist_fail(context, CELLIST_ERROR_GEOMETRY, "complex: %s %zu", what, which);
   return false;
 }
 
 /* Facets lie in their planes and are convex, seen from the positive side. */
-static bool facets_fit(cellist_context *context, const cellist_complex_arrays *a, const double origin[3], double extent,
-                       double unit) {
+static bool facets_fit(cellist_context *context, const cellist_complex_arrays *a, const struct frame *frame) {
+  const double *origin = frame->origin;
   for (size_t f = 0; f < a->facet_count; f++) {
     struct plane plane;
     if (!plane_of(a, a->facet_planes[f], origin, &plane)) return reject(context, "no plane of facet", f);
-    const double tolerance = unit * slenderness(a, a->facet_planes[f], extent);
+    const double tolerance = plane_tolerance(a, a->facet_planes[f], frame);
     const uint32_t begin = a->facet_starts[f], count = a->facet_starts[f + 1] - begin;
     for (uint32_t i = 0; i < count; i++) {
       const double *p = &a->vertices[3 * (size_t)a->facet_vertices[begin + i]];
@@ -191,7 +203,7 @@ static bool facets_fit(cellist_context *context, const cellist_complex_arrays *a
       }
       if (fabs(distance) > tolerance) return reject(context, "a corner leaves the plane of facet", f);
       /* With a tolerance a facet's corners depend on the angles at which its cells' facets meet. */
-      if (a->flat_distance == 0 && turn < -8 * tolerance * fmax(length, unit))
+      if (a->flat_distance == 0 && turn < -12 * tolerance * fmax(length, tolerance))
         return reject(context, "a corner turns inwards at facet", f);
     }
   }
@@ -270,8 +282,8 @@ static bool cells_closed(cellist_context *context, const cellist_complex_arrays 
  * convexify's own exact test, which this only repeats. */
 enum { SCAN_LIMIT = 4096 };
 
-static bool cells_convex(cellist_context *context, const cellist_complex_arrays *a, const double origin[3],
-                         double extent, double unit) {
+static bool cells_convex(cellist_context *context, const cellist_complex_arrays *a, const struct frame *frame) {
+  const double *origin = frame->origin;
   const size_t imaginary_count = a->cell_count - a->tet_count;
   uint32_t *start = cellist_allocate_zeroed(context, imaginary_count + 2, sizeof *start);
   uint32_t *facets = cellist_allocate(context, 2 * a->facet_count, sizeof *facets);
@@ -296,7 +308,7 @@ static bool cells_convex(cellist_context *context, const cellist_complex_arrays 
     for (uint32_t i = 0; ok && i < count; i++) {
       struct plane plane;
       ok = plane_of(a, a->facet_planes[own[i] / 2], origin, &plane);
-      const double tolerance = unit * slenderness(a, a->facet_planes[own[i] / 2], extent);
+      const double tolerance = plane_tolerance(a, a->facet_planes[own[i] / 2], frame);
       const double towards = own[i] % 2 == 0 ? 1 : -1;
       for (uint32_t j = 0; ok && j < count; j++) {
         for (uint32_t v = a->facet_starts[own[j] / 2]; v < a->facet_starts[own[j] / 2 + 1]; v++) {
@@ -316,50 +328,69 @@ static bool cells_convex(cellist_context *context, const cellist_complex_arrays 
   return ok;
 }
 
+/* Twice the area of a polygon, and how much that may be off as its corners are rounded; lengths in extents. */
+static double polygon_area(const cellist_complex_arrays *a, size_t facet, const struct frame *frame, double *error) {
+  const double extent = frame->extent, unit = ROUNDING + COORDINATE_ROUNDING * frame->largest / extent;
+  const uint32_t *corners = &a->facet_vertices[a->facet_starts[facet]];
+  const uint32_t count = a->facet_starts[facet + 1] - a->facet_starts[facet];
+  const double *o = &a->vertices[3 * (size_t)corners[0]];
+  double sum[3] = {0, 0, 0}, outline = 0;
+  for (uint32_t i = 0; i < count; i++) {
+    const double *p = &a->vertices[3 * (size_t)corners[i]], *q = &a->vertices[3 * (size_t)corners[(i + 1) % count]];
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) {
+      u[k] = (p[k] - o[k]) / extent;
+      v[k] = (q[k] - o[k]) / extent;
+      outline += fabs(v[k] - u[k]);
+    }
+    for (int k = 0; k < 3; k++) sum[k] += u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+  }
+  *error = 2 * unit * (outline + count * unit);
+  return sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+}
+
+static double face_area(const cellist_mesh_arrays *mesh, size_t tet, size_t face, double extent) {
+  const uint8_t *corner = CELLIST_TET_FACE[face];
+  const double *o = &mesh->positions[3 * (size_t)mesh->tets[4 * tet + corner[0]]];
+  const double *p = &mesh->positions[3 * (size_t)mesh->tets[4 * tet + corner[1]]];
+  const double *q = &mesh->positions[3 * (size_t)mesh->tets[4 * tet + corner[2]]];
+  double square = 0;
+  for (int k = 0; k < 3; k++) {
+    const int j = (k + 1) % 3, l = (k + 2) % 3;
+    const double n =
+        (p[j] - o[j]) / extent * ((q[l] - o[l]) / extent) - (p[l] - o[l]) / extent * ((q[j] - o[j]) / extent);
+    square += n * n;
+  }
+  return sqrt(square);
+}
+
 /* The facets of tets cover the mesh's boundary: compares area per tet, flat tets and their neighbours apart. */
 static bool boundary_covered(cellist_context *context, const cellist_complex_arrays *a, const cellist_mesh_arrays *mesh,
-                             double extent) {
-  double *missing = cellist_allocate_zeroed(context, a->tet_count, sizeof *missing);
+                             const struct frame *frame) {
+  double *missing = cellist_allocate_zeroed(context, a->tet_count, 2 * sizeof *missing);
   if (missing == NULL) return false;
-  bool ok = true;
+  double *errors = missing + a->tet_count;
   for (size_t f = 0; f < a->facet_count; f++) {
-    const uint32_t begin = a->facet_starts[f], end = a->facet_starts[f + 1];
-    const double *o = &a->vertices[3 * (size_t)a->facet_vertices[begin]];
-    double sum[3] = {0, 0, 0};
-    for (uint32_t i = begin + 1; i + 1 < end; i++) {
-      const double *p = &a->vertices[3 * (size_t)a->facet_vertices[i]];
-      const double *q = &a->vertices[3 * (size_t)a->facet_vertices[i + 1]];
-      for (int k = 0; k < 3; k++) {
-        const int j = (k + 1) % 3, l = (k + 2) % 3;
-        sum[k] += (p[j] - o[j]) / extent * ((q[l] - o[l]) / extent) - (p[l] - o[l]) / extent * ((q[j] - o[j]) / extent);
-      }
-    }
+    double error;
+    const double area = polygon_area(a, f, frame, &error);
     for (int side = 0; side < 2; side++) {
       const uint32_t cell = a->facet_cells[2 * f + (size_t)side];
-      if (cell < a->tet_count) missing[cell] -= sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+      if (cell >= a->tet_count) continue;
+      missing[cell] -= area;
+      errors[cell] += error;
     }
   }
+  bool ok = true;
   for (size_t t = 0; ok && t < a->tet_count; t++) {
     bool judged = (mesh->tet_flags[t] & CELLIST_TET_FLAT) == 0;
-    double scale = 0;
-    for (size_t c = 0; c < 4; c++) {
-      const uint32_t next = mesh->neighbours[4 * t + c];
-      judged &= next == CELLIST_NONE || (mesh->tet_flags[next] & CELLIST_TET_FLAT) == 0;
-      const uint8_t *corner = CELLIST_TET_FACE[c];
-      const double *o = &mesh->positions[3 * (size_t)mesh->tets[4 * t + corner[0]]];
-      const double *p = &mesh->positions[3 * (size_t)mesh->tets[4 * t + corner[1]]];
-      const double *q = &mesh->positions[3 * (size_t)mesh->tets[4 * t + corner[2]]];
-      double square = 0;
-      for (int k = 0; k < 3; k++) {
-        const int j = (k + 1) % 3, l = (k + 2) % 3;
-        const double n =
-            (p[j] - o[j]) / extent * ((q[l] - o[l]) / extent) - (p[l] - o[l]) / extent * ((q[j] - o[j]) / extent);
-        square += n * n;
-      }
-      scale += sqrt(square);
-      if (next == CELLIST_NONE) missing[t] += sqrt(square);
+    for (size_t face = 0; face < 4; face++) {
+      const uint32_t next = mesh->neighbours[4 * t + face];
+      if (next == CELLIST_NONE)
+        missing[t] += face_area(mesh, t, face, frame->extent);
+      else
+        judged &= (mesh->tet_flags[next] & CELLIST_TET_FLAT) == 0;
     }
-    if (judged && fabs(missing[t]) > 1e-6 * scale + ROUNDING) ok = reject(context, "facets do not cover tet", t);
+    if (judged && fabs(missing[t]) > errors[t]) ok = reject(context, "facets do not cover tet", t);
   }
   cellist_deallocate(context, missing);
   return ok;
@@ -411,14 +442,11 @@ bool cellist_complex_is_valid(cellist_context *context, const cellist_complex *c
       if ((m->tet_flags[t] & CELLIST_TET_FLAT) == 0) return reject(context, "no facets, yet there is tet", t);
     return a->cell_count == a->tet_count || reject(context, "no facets, cells", a->cell_count);
   }
-  double extent = 0, largest = 0;
+  struct frame frame = {.origin = a->vertices};
   for (size_t i = 0; i < 3 * a->vertex_count; i++) {
-    largest = fmax(largest, fabs(a->vertices[i]));
-    extent = fmax(extent, fabs(a->vertices[i] - a->vertices[i % 3]));
+    frame.largest = fmax(frame.largest, fabs(a->vertices[i]));
+    frame.extent = fmax(frame.extent, fabs(a->vertices[i] - a->vertices[i % 3]));
   }
-  const double *origin = a->vertices;
-  const double unit = ROUNDING * extent + 8 * 0x1p-53 * largest;
-  return facets_fit(context, a, origin, extent, unit) && cells_closed(context, a) &&
-         cells_convex(context, a, origin, extent, unit) && boundary_covered(context, a, m, extent) &&
-         planes_exact(context, a, m);
+  return facets_fit(context, a, &frame) && cells_closed(context, a) && cells_convex(context, a, &frame) &&
+         boundary_covered(context, a, m, &frame) && planes_exact(context, a, m);
 }
