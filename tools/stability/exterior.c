@@ -24,8 +24,8 @@ const char *stability_exterior_name(unsigned exterior) {
   return exterior < STABILITY_EXTERIOR_COUNT ? names[exterior] : NULL;
 }
 
-cellist_result stability_convexify(cellist_context *context, const stability_case *which, const stability_scene *scene,
-                                   unsigned exterior, stability_exterior *found) {
+cellist_result stability_convexify(cellist_context *context, const stability_scene *scene, unsigned exterior,
+                                   stability_exterior *found) {
   *found = (stability_exterior){0};
   const cellist_convexify_desc desc = {.exterior = (cellist_exterior)exterior, .seed = 1};
   cellist_convexify_stats stats = {0};
@@ -35,7 +35,7 @@ cellist_result stability_convexify(cellist_context *context, const stability_cas
   found->seconds = stability_seconds() - begin;
   found->imaginary_cells = stats.imaginary_cells;
   found->volume_error = stats.volume_error;
-  found->verdict = which->exterior_fails != NULL ? STABILITY_KNOWN : STABILITY_FAILS;
+  found->verdict = STABILITY_FAILS;
   if (result == CELLIST_ERROR_OUT_OF_MEMORY) return result;
   if (result != CELLIST_SUCCESS) {
     const char *message = cellist_context_take_error(context);
@@ -62,9 +62,9 @@ const char *stability_exterior_name(unsigned exterior) {
   return NULL;
 }
 
-cellist_result stability_convexify(cellist_context *context, const stability_case *which, const stability_scene *scene,
-                                   unsigned exterior, stability_exterior *found) {
-  (void)which, (void)scene, (void)exterior;
+cellist_result stability_convexify(cellist_context *context, const stability_scene *scene, unsigned exterior,
+                                   stability_exterior *found) {
+  (void)scene, (void)exterior;
   *found = (stability_exterior){.verdict = STABILITY_REFUSED};
   return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this build has no convexifier");
 }

@@ -66,7 +66,6 @@ typedef struct stability_case {
   const char *stray_reason;
   /* Does not pass, and why: listed in README's limits. By renderer; NULL: passes. */
   const char *fails[STABILITY_RENDERER_COUNT];
-  const char *exterior_fails; /* likewise, of the convexifier */
 } stability_case;
 
 /* What single precision leaves of a picture whose cells are not extreme: some ten roundings of 6e-8 a cell, and a few
@@ -133,8 +132,8 @@ typedef struct stability_exterior {
 } stability_exterior;
 
 /* exterior: 0..3, in the order of cellist_exterior. UNSUPPORTED in a build without the convexifier. */
-cellist_result stability_convexify(cellist_context *context, const stability_case *which, const stability_scene *scene,
-                                   unsigned exterior, stability_exterior *found);
+cellist_result stability_convexify(cellist_context *context, const stability_scene *scene, unsigned exterior,
+                                   stability_exterior *found);
 const char *stability_exterior_name(unsigned exterior);
 
 #endif
