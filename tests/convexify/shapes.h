@@ -15,6 +15,7 @@ typedef struct shape {
   double scale, offset[3];
   bool unmerged; /* every cube has points of its own */
   double jitter; /* points move by up to this along each axis */
+  double shear;  /* each coordinate grows by this times the next one: a power of two keeps planes exact */
   uint64_t seed;
 } shape;
 
@@ -31,7 +32,8 @@ static inline cellist_result shape_mesh(cellist_context *context, const shape *s
   for (size_t i = 0; i < grid_points && !s->unmerged; i++) {
     const int at[3] = {(int)i % (nx + 1), (int)i / (nx + 1) % (ny + 1), (int)i / (nx + 1) / (ny + 1)};
     for (int k = 0; k < 3; k++)
-      points[3 * i + (size_t)k] = s->offset[k] + scale * (at[k] + random_between(&random, -s->jitter, s->jitter));
+      points[3 * i + (size_t)k] =
+          s->offset[k] + scale * (at[k] + s->shear * at[(k + 1) % 3] + random_between(&random, -s->jitter, s->jitter));
   }
   for (size_t c = 0; c < cubes; c++) {
     if (s->cubes[c] != '#') continue;
