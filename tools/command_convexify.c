@@ -21,19 +21,20 @@ static double peak_megabytes(void) {
   return (double)usage.ru_maxrss * 1024 / 1e6;
 }
 
-static int report_json(const cellist_convexify_stats *s, double seconds) {
-  return terminal_print_json(json_pack(
-      "{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:I, s:f, s:b, s:I, s:f, s:f}", "exterior",
-      EXTERIORS[s->exterior], "exterior_facets", (json_int_t)s->exterior_facets, "imaginary_cells",
-      (json_int_t)s->imaginary_cells, "facets", (json_int_t)s->facets, "planes", (json_int_t)s->planes, "cuts",
-      (json_int_t)s->cuts, "merges", (json_int_t)s->merges, "hull_volume", s->hull_volume, "mesh_volume",
-      s->mesh_volume, "imaginary_volume", s->imaginary_volume, "volume_error", s->volume_error, "seconds", seconds,
-      "convexity_violations", (json_int_t)s->convexity_violations, "peak_mb", peak_megabytes(), "cached", s->cached,
-      "flat_edges", (json_int_t)s->flat_edges, "flat_angle", s->flat_angle, "flat_distance", s->flat_distance));
+static int report_json(const cellist_convexify_stats *s, const char *reason, double seconds) {
+  return terminal_print_json(
+      json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:I, s:f, s:b, s:I, s:f, s:f}",
+                "exterior", EXTERIORS[s->exterior], "exterior_reason", reason, "exterior_facets",
+                (json_int_t)s->exterior_facets, "imaginary_cells", (json_int_t)s->imaginary_cells, "facets",
+                (json_int_t)s->facets, "planes", (json_int_t)s->planes, "cuts", (json_int_t)s->cuts, "merges",
+                (json_int_t)s->merges, "hull_volume", s->hull_volume, "mesh_volume", s->mesh_volume, "imaginary_volume",
+                s->imaginary_volume, "volume_error", s->volume_error, "seconds", seconds, "convexity_violations",
+                (json_int_t)s->convexity_violations, "peak_mb", peak_megabytes(), "cached", s->cached, "flat_edges",
+                (json_int_t)s->flat_edges, "flat_angle", s->flat_angle, "flat_distance", s->flat_distance));
 }
 
-static int report_text(const cellist_convexify_stats *s, double seconds) {
-  printf("exterior          %s\n", EXTERIORS[s->exterior]);
+static int report_text(const cellist_convexify_stats *s, const char *reason, double seconds) {
+  printf("exterior          %s (%s)\n", EXTERIORS[s->exterior], reason);
   printf("imaginary cells   %zu\n", s->imaginary_cells);
   printf("facets            %zu in %zu planes\n", s->facets, s->planes);
   printf("cuts, merges      %zu, %zu\n", s->cuts, s->merges);
@@ -44,6 +45,40 @@ static int report_text(const cellist_convexify_stats *s, double seconds) {
            s->flat_edges, s->flat_angle, s->flat_distance);
   printf("seconds           %.3f%s\n", seconds, s->cached ? ", read from the file" : "");
   return terminal_finish();
+}
+
+/* What the command makes: a complex of its own, or one of an order's. */
+struct made {
+  cellist_order *order;
+  cellist_complex *own;
+  const cellist_complex *complex;
+  cellist_convexify_stats stats;
+  const char *reason;
+};
+
+static cellist_result make(cellist_context *context, const cellist_mesh *mesh, const cellist_convexify_desc *desc,
+                           bool choose, const char *path, struct made *made) {
+  if (choose) {
+    const cellist_order_desc how = {.convexify = desc, .needs_complex = true, .cache_file = path};
+    const cellist_result result = cellist_order_create(context, mesh, &how, &made->order);
+    if (result != CELLIST_SUCCESS) return result;
+    made->reason = cellist_order_get_facts(made->order)->reason;
+    made->complex = cellist_order_get_complex(made->order);
+    if (made->complex != NULL) made->stats = *cellist_order_get_convexify_stats(made->order);
+    if (made->complex != NULL) return CELLIST_SUCCESS;
+  }
+  /* Also for a convex mesh, where there is nothing to choose, and to say why nothing can be made. */
+  const cellist_result result = cellist_convexify_cached(context, mesh, desc, path, &made->own, &made->stats);
+  if (result != CELLIST_SUCCESS) return result;
+  made->complex = made->own;
+  if (choose && !made->stats.cached) {
+    char note[CELLIST_CELLS_NOTE];
+    snprintf(note, sizeof note, "%s: %s", EXTERIORS[made->stats.exterior], made->reason);
+    return cellist_cells_write(context, path, cellist_cells_key_of(mesh, desc, 0), made->own, &made->stats, note);
+  }
+  if (!choose)
+    made->reason = made->stats.exterior == desc->exterior ? "asked for" : "the boundary was refused by TetGen";
+  return CELLIST_SUCCESS;
 }
 
 int command_convexify(int argc, char **argv) {
@@ -88,8 +123,7 @@ int command_convexify(int argc, char **argv) {
   if (!(flat >= 0 && flat < 90)) return wrong_usage("convexify", "--flat takes 0 to below 90 degrees");
   if (output == NULL) return wrong_usage("convexify", "-o FILE.cells is missing");
 
-  cellist_convexify_desc desc = {.exterior = CELLIST_EXTERIOR_DELAUNAY,
-                                 .candidates = candidates,
+  cellist_convexify_desc desc = {.candidates = candidates,
                                  .score = strcmp(score, "paper") == 0 ? CELLIST_SCORE_PAPER : CELLIST_SCORE_OWN,
                                  .seed = seed,
                                  .flat_degrees = flat,
@@ -101,33 +135,22 @@ int command_convexify(int argc, char **argv) {
   cellist_context *context = terminal_context(0);
   if (context == NULL) return 1;
   cellist_mesh *mesh = NULL;
-  cellist_complex *complex = NULL;
-  cellist_convexify_stats stats;
-  double seconds = 0;
+  struct made made = {0};
   cellist_result result = cellist_pipeline_load(context, argv[1], &read_desc, &mesh);
   const double begin = terminal_seconds();
-  if (result == CELLIST_SUCCESS && strcmp(exterior, "auto") == 0) {
-    const cellist_order_desc how = {.needs_complex = true};
-    cellist_order *order = NULL;
-    result = cellist_order_create(context, mesh, &how, &order);
-    for (int i = 0; i < 4 && result == CELLIST_SUCCESS; i++)
-      if (strcmp(cellist_order_get_facts(order)->exterior, EXTERIORS[i]) == 0) desc.exterior = (cellist_exterior)i;
-    cellist_order_destroy(order);
-  }
-  if (result == CELLIST_SUCCESS) {
-    result = cellist_convexify_cached(context, mesh, &desc, output, &complex, &stats);
-    seconds = terminal_seconds() - begin;
-  }
+  if (result == CELLIST_SUCCESS) result = make(context, mesh, &desc, strcmp(exterior, "auto") == 0, output, &made);
+  const double seconds = terminal_seconds() - begin;
   size_t pictures = 0;
-  if (result == CELLIST_SUCCESS && movie != NULL) result = movie_write(context, mesh, complex, movie, &pictures);
+  if (result == CELLIST_SUCCESS && movie != NULL) result = movie_write(context, mesh, made.complex, movie, &pictures);
   int status = 0;
   if (result != CELLIST_SUCCESS) {
     status = terminal_failure(context, result);
   } else {
     terminal_clear_progress();
-    status = json ? report_json(&stats, seconds) : report_text(&stats, seconds);
+    status = json ? report_json(&made.stats, made.reason, seconds) : report_text(&made.stats, made.reason, seconds);
   }
-  cellist_complex_destroy(complex);
+  cellist_complex_destroy(made.own);
+  cellist_order_destroy(made.order);
   cellist_mesh_destroy(mesh);
   cellist_context_destroy(context);
   return status;

@@ -524,6 +524,23 @@ case_convexify_keeps_its_result() {
   [ -s film/0000.png ] && [ -s film/0001.png ] && [ ! -e film/0002.png ] || fail "pictures of the cutting are missing"
   expect 0 convexify sample:gears -o a.cells --exterior grid --json
   json "j['exterior'] == 'grid' and not j['cached']"
+  expect 0 convexify sample:gears -o c.cells --exterior auto --seed 3 --json
+  json "j['exterior'] in ('delaunay', 'hull', 'grid') and 'least work of' in j['exterior_reason'] and not j['cached']"
+  json "j['exterior'] in j['exterior_reason'] and j['imaginary_cells'] > 100 and j['volume_error'] < 1e-12"
+  grep -q "least work of" c.cells || fail "the reason is not in the file"
+  python3 -c "import json; print(json.load(open('out'))['exterior_reason'])" >reason
+  cp c.cells first.cells
+  expect 0 convexify sample:gears -o c.cells --exterior auto --seed 3
+  grep -q "read from the file" out || fail "the choice was made again"
+  grep -qF "($(cat reason))" out || fail "the reason is not shown"
+  cmp -s c.cells first.cells || fail "reading changed the file"
+  expect 0 convexify sample:gears -o c.cells --exterior auto --seed 4 --json
+  json "not j['cached']"
+  expect 1 convexify sample:flaws -o d.cells --exterior auto
+  says "cell"
+  [ ! -e d.cells ] || fail "a file without a complex was left"
+  expect 0 convexify sample:grid -o e.cells --exterior auto
+  grep -q "(the mesh is convex)" out || fail "a box of cubes is convex"
   expect 0 convexify sample:grid -o b.cells
   grep -q "imaginary cells   0" out || fail "a box of cubes is convex"
   expect 1 convexify sample:grid -o no/such/folder/a.cells

@@ -40,8 +40,9 @@ struct cellist_order {
   cellist_order_facts facts;
   double work; /* of a view, in plain sorts of the tets */
   bool left;   /* the first stage of the sort left something in a view */
-#ifdef CELLIST_HAS_CONVEXIFY
   cellist_complex *complex;
+#ifdef CELLIST_HAS_CONVEXIFY
+  cellist_convexify_stats stats; /* of complex */
 #endif
 };
 
@@ -50,14 +51,21 @@ static const char *const NAMES[] = {"auto", "none", "hull", "box", "grid", "dela
 void cellist_order_destroy(cellist_order *order) {
   if (order == NULL) return;
   cellist_sorter_destroy(order->sorter);
-#ifdef CELLIST_HAS_CONVEXIFY
   cellist_complex_destroy(order->complex);
-#endif
   cellist_deallocate(order->context, order);
 }
 
 cellist_sorter *cellist_order_sorter(const cellist_order *order) { return order->sorter; }
 const cellist_order_facts *cellist_order_get_facts(const cellist_order *order) { return &order->facts; }
+const cellist_complex *cellist_order_get_complex(const cellist_order *order) { return order->complex; }
+
+const struct cellist_convexify_stats *cellist_order_get_convexify_stats(const cellist_order *order) {
+#ifdef CELLIST_HAS_CONVEXIFY
+  if (order->complex != NULL) return &order->stats;
+#endif
+  (void)order;
+  return NULL;
+}
 
 /* The order's sorter, with its complex if it has one. */
 static cellist_result make_sorter(cellist_order *order, const uint8_t *wanted) {
@@ -67,7 +75,6 @@ static cellist_result make_sorter(cellist_order *order, const uint8_t *wanted) {
                               .tet_count = a->tet_count,
                               .tets = a->tets,
                               .neighbours = a->neighbours};
-#ifdef CELLIST_HAS_CONVEXIFY
   cellist_sorter_complex complex;
   if (order->complex != NULL) {
     const cellist_complex_arrays *c = cellist_complex_get_arrays(order->complex);
@@ -84,7 +91,6 @@ static cellist_result make_sorter(cellist_order *order, const uint8_t *wanted) {
     order->facts.imaginary_cells = c->cell_count - c->tet_count;
     desc.complex = &complex;
   }
-#endif
   const cellist_result result = wanted != NULL
                                     ? cellist_sorter_create_subset(order->context, &desc, wanted, &order->sorter)
                                     : cellist_sorter_create(order->context, &desc, &order->sorter);
@@ -103,12 +109,15 @@ static cellist_result create_empty(cellist_context *context, const cellist_mesh 
 
 #ifdef CELLIST_HAS_CONVEXIFY
 
-static cellist_convexify_desc convexify_desc(cellist_order_exterior exterior) {
+static cellist_convexify_desc convexify_desc(const cellist_order_desc *desc, cellist_order_exterior exterior) {
   static const cellist_exterior kinds[] = {[CELLIST_ORDER_HULL] = CELLIST_EXTERIOR_HULL,
                                            [CELLIST_ORDER_BOX] = CELLIST_EXTERIOR_BOX,
                                            [CELLIST_ORDER_GRID] = CELLIST_EXTERIOR_GRID,
                                            [CELLIST_ORDER_DELAUNAY] = CELLIST_EXTERIOR_DELAUNAY};
-  return (cellist_convexify_desc){.exterior = kinds[exterior], .seed = 1};
+  cellist_convexify_desc how = {.seed = 1};
+  if (desc->convexify != NULL) how = *desc->convexify;
+  how.exterior = kinds[exterior];
+  return how;
 }
 
 static const char *name_of(cellist_exterior exterior) {
@@ -146,7 +155,7 @@ static struct keeper make_keeper(const cellist_mesh *mesh, const cellist_order_d
   if (desc->cache_directory == NULL && desc->cache_file == NULL) return keeper;
   const bool is_choice = desc->exterior == CELLIST_ORDER_AUTO;
   const cellist_convexify_desc how =
-      convexify_desc(is_choice ? CELLIST_ORDER_DELAUNAY : (cellist_order_exterior)desc->exterior);
+      convexify_desc(desc, is_choice ? CELLIST_ORDER_DELAUNAY : (cellist_order_exterior)desc->exterior);
   keeper.key = cellist_cells_key_of(mesh, &how, is_choice ? 2 * CHOICE_VERSION + desc->needs_complex : 0);
   int length = 0;
   if (desc->cache_file != NULL)
@@ -174,14 +183,13 @@ static cellist_result read_kept(cellist_context *context, const cellist_mesh *me
                                 cellist_order **order) {
   if (keeper->path[0] == '\0') return CELLIST_SUCCESS;
   cellist_order *made = NULL;
-  cellist_convexify_stats stats;
   char note[CELLIST_CELLS_NOTE];
   cellist_result result = create_empty(context, mesh, &made);
   if (result != CELLIST_SUCCESS) return result;
-  result = cellist_cells_read(context, keeper->path, keeper->key, &made->complex, &stats, note);
+  result = cellist_cells_read(context, keeper->path, keeper->key, &made->complex, &made->stats, note);
   if (result == CELLIST_SUCCESS) {
     const char *name = take_note(note, &made->facts);
-    if (name == NULL && made->complex != NULL) name = name_of(stats.exterior);
+    if (name == NULL && made->complex != NULL) name = name_of(made->stats.exterior);
     if (name != NULL) made->facts.exterior = name;
     made->facts.cached = true;
     result = name == NULL ? CELLIST_ERROR_NOT_FOUND : make_sorter(made, NULL);
@@ -196,14 +204,15 @@ static cellist_result read_kept(cellist_context *context, const cellist_mesh *me
   return CELLIST_SUCCESS;
 }
 
-static cellist_result keep(const cellist_order *order, const struct keeper *keeper,
-                           const cellist_convexify_stats *stats) {
+static cellist_result keep(const cellist_order *order, const struct keeper *keeper) {
   if (keeper->path[0] == '\0') return CELLIST_SUCCESS;
+  /* A file of the caller's that is to hold a complex is not left without. */
+  if (order->complex == NULL && keeper->desc->cache_file != NULL && keeper->desc->needs_complex) return CELLIST_SUCCESS;
   char note[CELLIST_CELLS_NOTE];
   snprintf(note, sizeof note, "%s: %s", order->facts.exterior, order->facts.reason);
   if (keeper->desc->cache_file == NULL) make_directories(keeper->desc->cache_directory);
   const cellist_result result =
-      cellist_cells_write(order->context, keeper->path, keeper->key, order->complex, stats, note);
+      cellist_cells_write(order->context, keeper->path, keeper->key, order->complex, &order->stats, note);
   if (result != CELLIST_ERROR_IO || keeper->desc->cache_file != NULL) return result;
   cellist_log(order->context, CELLIST_LOG_WARNING, "%s; the exterior will be made again next time",
               cellist_context_take_error(order->context));
@@ -242,27 +251,26 @@ static cellist_result count_work(cellist_order *order) {
 }
 
 /* An order with one exterior. Errors: as cellist_order_create. */
-static cellist_result try_exterior(cellist_context *context, const cellist_mesh *mesh, cellist_order_exterior exterior,
-                                   cellist_convexify_stats *stats, cellist_order **order) {
+static cellist_result try_exterior(cellist_context *context, const cellist_mesh *mesh, const cellist_order_desc *how,
+                                   cellist_order_exterior exterior, cellist_order **order) {
   cellist_order *made = NULL;
   cellist_result result = create_empty(context, mesh, &made);
   if (result != CELLIST_SUCCESS) return result;
-  const cellist_convexify_desc desc = convexify_desc(exterior);
-  result = cellist_convexify(context, mesh, &desc, &made->complex, stats);
+  const cellist_convexify_desc desc = convexify_desc(how, exterior);
+  result = cellist_convexify(context, mesh, &desc, &made->complex, &made->stats);
   if (result == CELLIST_SUCCESS) result = make_sorter(made, NULL);
   if (result != CELLIST_SUCCESS) {
     cellist_order_destroy(made);
     return result;
   }
-  made->facts.exterior = name_of(stats->exterior);
+  made->facts.exterior = name_of(made->stats.exterior);
   *order = made;
   return CELLIST_SUCCESS;
 }
 
 struct choice {
   cellist_order *best;
-  cellist_convexify_stats stats; /* of best */
-  char tried[160];               /* what each costs */
+  char tried[160]; /* what each costs */
   bool is_good;
 };
 
@@ -279,7 +287,7 @@ __attribute__((format(printf, 2, 3))) static void note_try(struct choice *choice
 }
 
 /* Takes a candidate if it is better than the best. It belongs to the choice from here on. */
-static cellist_result consider(struct choice *choice, cellist_order *candidate, const cellist_convexify_stats *stats) {
+static cellist_result consider(struct choice *choice, cellist_order *candidate) {
   const cellist_result result = count_work(candidate);
   if (result != CELLIST_SUCCESS) {
     cellist_order_destroy(candidate);
@@ -292,7 +300,6 @@ static cellist_result consider(struct choice *choice, cellist_order *candidate, 
   }
   cellist_order_destroy(choice->best);
   choice->best = candidate;
-  choice->stats = *stats;
   choice->is_good = candidate->work <= GOOD_ENOUGH || !candidate->left;
   return CELLIST_SUCCESS;
 }
@@ -312,8 +319,7 @@ static cellist_result choose(cellist_order *plain, const cellist_order_desc *des
     }
     if (exterior == CELLIST_ORDER_HULL && hull_tried) continue;
     cellist_order *candidate = NULL;
-    cellist_convexify_stats stats;
-    result = try_exterior(context, plain->mesh, exterior, &stats, &candidate);
+    result = try_exterior(context, plain->mesh, desc, exterior, &candidate);
     if (result == CELLIST_ERROR_GEOMETRY || result == CELLIST_ERROR_INTERNAL) {
       note_try(choice, "%s cannot be made", NAMES[exterior]);
       cellist_log(context, CELLIST_LOG_INFO, "exterior %s: %s", NAMES[exterior], cellist_context_take_error(context));
@@ -321,7 +327,7 @@ static cellist_result choose(cellist_order *plain, const cellist_order_desc *des
       continue;
     }
     hull_tried |= result == CELLIST_SUCCESS && strcmp(candidate->facts.exterior, "hull") == 0;
-    if (result == CELLIST_SUCCESS) result = consider(choice, candidate, &stats);
+    if (result == CELLIST_SUCCESS) result = consider(choice, candidate);
   }
   const bool considered =
       result == CELLIST_SUCCESS && (choice->best == NULL || (!choice->is_good && !desc->needs_complex));
@@ -329,7 +335,7 @@ static cellist_result choose(cellist_order *plain, const cellist_order_desc *des
     cellist_order_destroy(plain);
     return result;
   }
-  return consider(choice, plain, &(cellist_convexify_stats){0});
+  return consider(choice, plain);
 }
 
 /* What the mesh is given, after all that could be read. plain: as above. */
@@ -343,14 +349,14 @@ static cellist_result make(cellist_order *plain, const cellist_order_desc *desc,
       snprintf(choice.best->facts.reason, sizeof choice.best->facts.reason, "least work of %s (plain sort = 1)",
                choice.tried);
   } else {
-    result = try_exterior(plain->context, plain->mesh, desc->exterior, &choice.stats, &choice.best);
+    result = try_exterior(plain->context, plain->mesh, desc, desc->exterior, &choice.best);
     if (result == CELLIST_SUCCESS)
       snprintf(choice.best->facts.reason, sizeof choice.best->facts.reason, "%s",
                strcmp(choice.best->facts.exterior, NAMES[desc->exterior]) == 0 ? "asked for"
                                                                                : "the boundary was refused by TetGen");
     cellist_order_destroy(plain);
   }
-  if (result == CELLIST_SUCCESS) result = keep(choice.best, keeper, &choice.stats);
+  if (result == CELLIST_SUCCESS) result = keep(choice.best, keeper);
   if (result == CELLIST_SUCCESS)
     *order = choice.best;
   else

@@ -3,7 +3,7 @@
 #ifndef CELLIST_ORDER_H
 #define CELLIST_ORDER_H
 
-#include <cellist/mesh.h>
+#include <cellist/complex.h>
 #include <cellist/sort.h>
 
 #ifdef __cplusplus
@@ -20,10 +20,16 @@ typedef enum cellist_order_exterior {
   CELLIST_ORDER_DELAUNAY
 } cellist_order_exterior;
 
+/* Of cellist/convexify.h, which a build without convexifier lacks. */
+struct cellist_convexify_desc;
+struct cellist_convexify_stats;
+
 /* {0} is valid: the best exterior, kept nowhere. */
 typedef struct cellist_order_desc {
   cellist_order_exterior exterior;
-  bool needs_complex;          /* AUTO: not NONE, unless no exterior can be made */
+  const struct cellist_convexify_desc *convexify; /* how exteriors are made; which one stands above. Read during the
+                                                     call only; NULL: the defaults, with seed 1 */
+  bool needs_complex;                             /* AUTO: not NONE, unless no exterior can be made */
   const uint8_t *wanted;       /* as cellist_sorter_create_subset, read during the call only; NULL: all tets */
   const char *cache_directory; /* where complexes are kept (made if it is not there), or NULL; a place that cannot be
                                   written is a warning */
@@ -57,6 +63,10 @@ CELLIST_API void cellist_order_destroy(cellist_order *order);
 /* The sorter, and what it is made with; they belong to the order. Threads: any. */
 CELLIST_API cellist_sorter *cellist_order_sorter(const cellist_order *order);
 CELLIST_API const cellist_order_facts *cellist_order_get_facts(const cellist_order *order);
+
+/* The mesh made convex, and what that took; NULL if nothing fills the gaps. They belong to the order. Threads: any. */
+CELLIST_API const cellist_complex *cellist_order_get_complex(const cellist_order *order);
+CELLIST_API const struct cellist_convexify_stats *cellist_order_get_convexify_stats(const cellist_order *order);
 
 #ifdef __cplusplus
 }
