@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Benchmark of the convexifier: bench_convexify [NAME...] with names of shared meshes (spx.vtu) or generators
- * (gears, gears:20000 for a size, gears:20000:7 for parts too), or
- * spheres:TRIANGLES, two of them. Prints CSV: one line per mesh, exterior and seed;
- * seconds are of the processor. Options first: -hull -box -grid -delaunay, -sSEEDS, -kCANDIDATES, -paper, -unmerged. */
+ * (gears, gears:20000 for a size, gears:20000:7 for parts too), or spheres:TRIANGLES, two of them. Prints CSV: one line
+ * per mesh, exterior and seed; seconds are of the processor. Options first: -hull -box -grid -delaunay, -sSEEDS,
+ * -kCANDIDATES, -paper, -unmerged, -cRAYS: counts faults too, along so many lines (tests/convexify/faults.h).
+ * -matrix: every concave shared mesh and every generator, in every exterior, with 3 seeds and 20 lines. The exit status
+ * is 1 if any line is at fault. */
 #define _XOPEN_SOURCE 700
 #include <cellist/convexify.h>
 #include <cellist/generate.h>
@@ -11,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+#include "../convexify/faults.h"
 
 static double seconds(void) {
   struct timespec t;
@@ -79,56 +83,91 @@ static cellist_mesh *load(cellist_context *context, const char *name) {
   return mesh;
 }
 
+static const char *const EXTERIORS[] = {"hull", "box", "grid", "delaunay"};
+/* What a volume may be off by, of the hull. */
+static const double VOLUME_LIMIT = 1e-12;
+
+/* One line. False: something is wrong. */
+static bool run(cellist_context *context, const char *name, const cellist_mesh *mesh,
+                const cellist_convexify_desc *desc, int rays) {
+  cellist_convexify_stats s;
+  cellist_complex *complex = NULL;
+  const double begin = seconds();
+  const cellist_result result = cellist_convexify(context, mesh, desc, &complex, &s);
+  const double end = seconds();
+  const char *wanted = EXTERIORS[desc->exterior];
+  const int seed = (int)desc->seed;
+  if (result != CELLIST_SUCCESS) {
+    printf("%s,%s,,%d,,,,,,,%.3f,,,,,,,%s: %s\n", name, wanted, seed, end - begin, cellist_result_string(result),
+           cellist_context_take_error(context));
+    return false;
+  }
+  const bool valid = cellist_complex_is_valid(context, complex, mesh);
+  const ray_faults faults = count_ray_faults(complex, mesh, rays, desc->seed);
+  const size_t facet_faults = rays > 0 ? count_facet_faults(complex, mesh) : 0;
+  printf("%s,%s,%s,%d,%zu,%zu,%zu,%zu,%zu,%zu,%.3f,%.2g,%zu,%zu,%zu,%zu,%.1g,%s\n", name, wanted, EXTERIORS[s.exterior],
+         seed, s.exterior_facets, s.imaginary_cells, s.facets, s.planes, s.cuts, s.merges, end - begin, s.volume_error,
+         s.convexity_violations, facet_faults, faults.gaps, faults.overlaps, faults.largest,
+         valid ? "yes" : cellist_context_take_error(context));
+  fflush(stdout);
+  cellist_complex_destroy(complex);
+  return valid && s.volume_error <= VOLUME_LIMIT && s.convexity_violations == 0 && facet_faults == 0 &&
+         faults.gaps + faults.overlaps == 0;
+}
+
 int main(int argc, char **argv) {
   static const char *const standard[] = {"spx.vtu", "bluntfin.vtu", "post.vtu", "disk_out_ref.vtu", "bucky.vtu"};
-  static const char *const exteriors[] = {"hull", "box", "grid", "delaunay"};
-  int seeds = 1, candidates = 0, only = -1, score = 0, first = 1, merge = 1;
+  enum { MOST = 64 };
+  const char *matrix[MOST] = {"spx.vtu",       "bluntfin.vtu",     "post.vtu",        "impeller.vtu", "gears_t.vtu",
+                              "sci_torso.vtu", "disk_out_ref.vtu", "octopus_low.vtu", "bunny_in.vtu", "torus_vt.vtu"};
+  int seeds = 1, candidates = 0, only = -1, score = 0, first = 1, merge = 1, rays = 0;
+  bool all = false;
   for (; first < argc && argv[first][0] == '-'; first++) {
     if (strncmp(argv[first], "-s", 2) == 0) seeds = atoi(argv[first] + 2);
     if (strncmp(argv[first], "-k", 2) == 0) candidates = atoi(argv[first] + 2);
+    if (strncmp(argv[first], "-c", 2) == 0) rays = atoi(argv[first] + 2);
     if (strcmp(argv[first], "-paper") == 0) score = 1;
     if (strcmp(argv[first], "-unmerged") == 0) merge = 0;
+    if (strcmp(argv[first], "-matrix") == 0) all = true;
     for (int e = 0; e < 4; e++)
-      if (strcmp(argv[first] + 1, exteriors[e]) == 0) only = e;
+      if (strcmp(argv[first] + 1, EXTERIORS[e]) == 0) only = e;
   }
-  const int count = first < argc ? argc - first : (int)(sizeof standard / sizeof *standard);
+  int count = first < argc ? argc - first : (int)(sizeof standard / sizeof *standard);
   const char *const *names = first < argc ? (const char *const *)argv + first : standard;
+  if (all) {
+    seeds = 3;
+    rays = 20;
+  }
+  if (all && first == argc) {
+    names = matrix;
+    for (count = 0; matrix[count] != NULL;) count++;
+    for (size_t i = 0; cellist_generator_name(i) != NULL && count < MOST; i++)
+      if (strcmp(cellist_generator_name(i), "flaws") != 0) matrix[count++] = cellist_generator_name(i);
+  }
   cellist_context *context = NULL;
   if (cellist_context_create(NULL, &context) != CELLIST_SUCCESS) return 1;
-  printf("mesh,exterior,seed,exterior_facets,cells,facets,planes,cuts,merges,seconds,volume_error,violations,valid\n");
+  bool sound = true;
+  printf(
+      "mesh,exterior,made,seed,exterior_facets,cells,facets,planes,cuts,merges,seconds,volume_error,"
+      "convexity_violations,facet_violations,gaps,overlaps,largest_gap,valid\n");
   for (int i = 0; i < count; i++) {
     cellist_mesh *mesh = load(context, names[i]);
     if (mesh == NULL) {
       fprintf(stderr, "%s: %s\n", names[i], cellist_context_take_error(context));
+      sound = false;
       continue;
     }
-    for (int e = only < 0 ? 0 : only; e <= (only < 0 ? 3 : only); e++) {
+    for (int e = only < 0 ? 0 : only; e <= (only < 0 ? 3 : only); e++)
       for (int seed = 1; seed <= seeds; seed++) {
         const cellist_convexify_desc desc = {.exterior = (cellist_exterior)e,
                                              .candidates = (uint32_t)candidates,
                                              .score = (cellist_score)score,
                                              .keep_unmerged = !merge,
                                              .seed = (uint64_t)seed};
-        cellist_convexify_stats s;
-        cellist_complex *complex = NULL;
-        const double begin = seconds();
-        const cellist_result result = cellist_convexify(context, mesh, &desc, &complex, &s);
-        const double end = seconds();
-        if (result != CELLIST_SUCCESS) {
-          printf("%s,%s,%d,,,,,,,%.3f,,,%s: %s\n", names[i], exteriors[e], seed, end - begin,
-                 cellist_result_string(result), cellist_context_take_error(context));
-          continue;
-        }
-        const bool valid = cellist_complex_is_valid(context, complex, mesh);
-        printf("%s,%s,%d,%zu,%zu,%zu,%zu,%zu,%zu,%.3f,%.2g,%zu,%s\n", names[i], exteriors[s.exterior], seed,
-               s.exterior_facets, s.imaginary_cells, s.facets, s.planes, s.cuts, s.merges, end - begin, s.volume_error,
-               s.convexity_violations, valid ? "yes" : cellist_context_take_error(context));
-        fflush(stdout);
-        cellist_complex_destroy(complex);
+        sound &= run(context, names[i], mesh, &desc, rays);
       }
-    }
     cellist_mesh_destroy(mesh);
   }
   cellist_context_destroy(context);
-  return 0;
+  return sound ? 0 : 1;
 }
