@@ -30,19 +30,13 @@ static void peel_flat_tets(work *w, uint8_t *peeled) {
   }
 }
 
-static uint64_t mix(uint64_t h) {
-  h ^= h >> 31;
-  h *= 0x9e3779b97f4a7c15u;
-  return h ^ h >> 29;
-}
-
 static uint64_t hash_position(const double *p) {
   uint64_t h = 0;
   for (int k = 0; k < 3; k++) {
     const double value = p[k] + 0.0; /* -0 equals 0 */
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    h = mix(h ^ bits);
+    h = work_mix(h ^ bits);
   }
   return h;
 }
@@ -75,19 +69,6 @@ static uint32_t vertex_of(work *w, uint32_t point) {
   return w->point_vertex.items[point] = vertex;
 }
 
-static void sorted3(const uint32_t v[3], uint32_t out[3], bool *odd) {
-  memcpy(out, v, 3 * sizeof *v);
-  *odd = false;
-  for (int pass = 0; pass < 3; pass++) {
-    const int i = pass % 2;
-    if (out[i] <= out[i + 1]) continue;
-    const uint32_t swap = out[i];
-    out[i] = out[i + 1];
-    out[i + 1] = swap;
-    *odd = !*odd;
-  }
-}
-
 /* Takes pairs of faces on the same three vertices out of the boundary. */
 static void pair_contacts(work *w) {
   table_clear(w, &w->edge_table, table_size(w->boundary.count));
@@ -98,10 +79,9 @@ static void pair_contacts(work *w) {
   memset(gone->items, 0, w->boundary.count * sizeof *gone->items);
   for (size_t f = 0; f < w->boundary.count; f++) {
     const boundary_face *face = &w->boundary.items[f];
-    uint32_t key[3], other_key[3];
-    bool odd, other_odd;
-    sorted3(face->v, key, &odd);
-    size_t slot = mix(mix(mix(key[0]) ^ key[1]) ^ key[2]) & mask;
+    uint32_t key[3] = {face->v[0], face->v[1], face->v[2]};
+    const bool odd = work_sort3(key);
+    size_t slot = work_mix(work_mix(work_mix(key[0]) ^ key[1]) ^ key[2]) & mask;
     for (;; slot = (slot + 1) & mask) {
       const uint32_t other = w->edge_table.items[slot];
       if (other == CELLIST_NONE) {
@@ -109,14 +89,12 @@ static void pair_contacts(work *w) {
         break;
       }
       const boundary_face *o = &w->boundary.items[other];
-      sorted3(o->v, other_key, &other_odd);
+      uint32_t other_key[3] = {o->v[0], o->v[1], o->v[2]};
+      const bool other_odd = work_sort3(other_key);
       if (memcmp(key, other_key, sizeof key) != 0) continue;
-      if (odd == other_odd || gone->items[other]) {
-        cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
-                     "cells %u and %u lie on the same side of a face that they share", cell_of(w, face->tet),
-                     cell_of(w, o->tet));
-        work_fail(w, CELLIST_ERROR_GEOMETRY);
-      }
+      if (odd == other_odd || gone->items[other])
+        work_stop(w, CELLIST_ERROR_GEOMETRY, "cells %u and %u lie on the same side of a face that they share",
+                  cell_of(w, face->tet), cell_of(w, o->tet));
       gone->items[f] = gone->items[other] = 1;
       const uint32_t contact[5] = {o->tet, face->tet, o->v[0], o->v[1], o->v[2]};
       for (int i = 0; i < 5; i++) list_push(w, &w->contacts, contact[i]);
@@ -165,12 +143,9 @@ static void begin_exact(work *w, const uint8_t *peeled) {
   frexp(largest, &highest);
   const int bits = w->desc.exterior == CELLIST_EXTERIOR_DELAUNAY ? MESHER_BITS : ADDED_BITS;
   if (power - bits < lowest) lowest = power - bits;
-  if (highest - lowest > BIT_LIMIT) {
-    cellist_fail(w->context, CELLIST_ERROR_UNSUPPORTED,
-                 "coordinates from 2^%d to 2^%d: exact planes would need more than %d bits", lowest, highest,
-                 BIT_LIMIT);
-    work_fail(w, CELLIST_ERROR_UNSUPPORTED);
-  }
+  if (highest - lowest > BIT_LIMIT)
+    work_stop(w, CELLIST_ERROR_UNSUPPORTED, "coordinates from 2^%d to 2^%d: exact planes would need more than %d bits",
+              lowest, highest, BIT_LIMIT);
   exact_begin(w, mesh->bounds, lowest);
 }
 
@@ -203,8 +178,7 @@ void boundary_gather(work *w) {
   for (size_t f = 0; f < w->boundary.count; f++) {
     boundary_face *face = &w->boundary.items[f];
     face->plane = exact_add_plane(w, face->v[0], face->v[1], face->v[2]);
-    if (face->plane != CELLIST_NONE) continue;
-    cellist_fail(w->context, CELLIST_ERROR_GEOMETRY, "cell %u has a boundary face of no area", cell_of(w, face->tet));
-    work_fail(w, CELLIST_ERROR_GEOMETRY);
+    if (face->plane == CELLIST_NONE)
+      work_stop(w, CELLIST_ERROR_GEOMETRY, "cell %u has a boundary face of no area", cell_of(w, face->tet));
   }
 }

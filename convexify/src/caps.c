@@ -12,8 +12,7 @@ static int left_of(work *w, const cap_use *use, uint32_t vertex) {
 }
 
 _Noreturn static void fail_cap(work *w) {
-  cellist_fail(w->context, CELLIST_ERROR_GEOMETRY, "convexify: a cross-section of the exterior does not close");
-  work_fail(w, CELLIST_ERROR_GEOMETRY);
+  work_stop(w, CELLIST_ERROR_GEOMETRY, "convexify: a cross-section of the exterior does not close");
 }
 
 /* 1: within 180 degrees clockwise of where in came from; 2: straight on; 3: beyond; 4: back along the same edge. */
@@ -170,10 +169,19 @@ void caps_make(work *w, uint32_t plane, uint32_t cell) {
   }
 }
 
-void facet_part(work *w, uint32_t facet) {
+uint32_t facet_beside(work *w, uint32_t facet) {
   const work_facet old = w->facets.items[facet];
+  const uint32_t added = work_add_facet(w, old.plane, old.cells[0], old.cells[1]);
+  w->facets.items[added].shell = old.shell;
+  for (uint32_t side = 0; side < 2; side++)
+    if (is_piece(w, old.cells[side]) && w->pieces.count > 0)
+      set_push(w, &piece_of(w, old.cells[side])->members, 2 * added + side);
+  return added;
+}
+
+void facet_part(work *w, uint32_t facet) {
   w->cap_uses.count = 0;
-  for (uint32_t u = old.first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, facet)) {
     const work_use *use = &w->uses.items[u];
     const uint32_t *v = w->edges.items[use->edge].v;
     list_push(w, &w->cap_uses,
@@ -184,20 +192,13 @@ void facet_part(work *w, uint32_t facet) {
                         .loop = CELLIST_NONE,
                         .forward = use->forward});
   }
-  regions_find(w, old.plane);
+  regions_find(w, w->facets.items[facet].plane);
   bool first = true;
   for (uint32_t i = 0; i < w->cap_loops.count; i++) {
     if (w->cap_loops.items[i].hole) continue;
-    w->cap_loops.items[i].facet = facet;
-    if (!first) {
-      const uint32_t added = work_add_facet(w, old.plane, old.cells[0], old.cells[1]);
-      w->cap_loops.items[i].facet = added;
-      w->facets.items[added].shell = old.shell;
-      for (uint32_t side = 0; side < 2; side++)
-        if (old.cells[side] != CELLIST_NONE && old.cells[side] >= w->mesh->tet_count && w->pieces.count > 0)
-          set_push(w, &w->pieces.items[old.cells[side] - w->mesh->tet_count].members, 2 * added + side);
-      list_push(w, &w->touched, added);
-    }
+    const uint32_t own = first ? facet : facet_beside(w, facet);
+    w->cap_loops.items[i].facet = own;
+    if (!first) list_push(w, &w->touched, own);
     first = false;
   }
   w->facets.items[facet].first_use = CELLIST_NONE;

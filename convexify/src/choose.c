@@ -66,13 +66,8 @@ static int side_about(const work *w, const struct candidate *c, uint32_t vertex)
 
 /* Reflex edges of the piece near the plane; those of its other pieces are not among them. */
 static void gather_near(work *w, const struct candidate *c, uint32_t piece, set_kind kind) {
-  const work_piece *p = &w->pieces.items[piece];
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
-  set_near(w,
-           kind == SET_MEMBERS  ? &p->members
-           : kind == SET_REFLEX ? &p->reflex
-                                : &p->flat,
-           c->normal, c->offset, ON_PLANE, &w->near);
+  const uint32_t cell = piece_cell(w, piece);
+  set_near(w, set_of(w, piece, kind), c->normal, c->offset, ON_PLANE, &w->near);
   size_t kept = 0;
   for (size_t i = 0; i < w->near.count; i++)
     if (set_holds(w, cell, kind, w->near.items[i])) w->near.items[kept++] = w->near.items[i];
@@ -118,10 +113,11 @@ static long crossed_facets(work *w, const struct candidate *c, uint32_t piece) {
   gather_near(w, c, piece, SET_MEMBERS);
   for (size_t i = 0; i < w->near.count; i++) {
     int span = 0;
-    for (uint32_t u = w->facets.items[w->near.items[i] / 2].first_use; u != CELLIST_NONE && (span & 5) != 5;
-         u = w->uses.items[u].next_in_facet)
-      for (int end = 0; end < 2; end++)
-        span |= 1 << (1 + side_about(w, c, w->edges.items[w->uses.items[u].edge].v[end]));
+    for (EACH_USE(w, u, w->near.items[i] / 2)) {
+      const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
+      if ((span & 5) == 5) break;
+      for (int end = 0; end < 2; end++) span |= 1 << (1 + side_about(w, c, v[end]));
+    }
     crossed += (span & 5) == 5;
   }
   return crossed;
@@ -178,9 +174,8 @@ static void compete_pairs(work *w, uint32_t piece, struct choice *choice, const 
 
 /* A reflex edge of the piece: the nth, or any one. */
 static uint32_t draw_edge(work *w, uint32_t piece, set_kind kind, bool any, size_t *nth) {
-  const work_piece *p = &w->pieces.items[piece];
-  const work_set *reflex = kind == SET_REFLEX ? &p->reflex : &p->flat;
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  const work_set *reflex = set_of(w, piece, kind);
+  const uint32_t cell = piece_cell(w, piece);
   for (;;) {
     const size_t drawn = any ? (size_t)random_below(&w->random, reflex->items.count) : (*nth)++;
     if (set_holds(w, cell, kind, reflex->items.items[drawn])) return reflex->items.items[drawn];
@@ -189,25 +184,20 @@ static uint32_t draw_edge(work *w, uint32_t piece, set_kind kind, bool any, size
 
 /* A piece whose reflex edges all count as flat. */
 static bool is_flat_enough(work *w, uint32_t piece) {
-  const id_list *members = &w->pieces.items[piece].members.items;
-  w->sorted.count = 0;
-  for (size_t i = 0; i < members->count; i++)
-    if (set_holds(w, (uint32_t)(w->mesh->tet_count + piece), SET_MEMBERS, members->items[i]))
-      list_push(w, &w->sorted, members->items[i]);
+  set_list(w, piece, SET_MEMBERS, &w->sorted);
   return flat_enough(w, w->sorted.items, w->sorted.count);
 }
 
 uint32_t choose_plane(work *w, uint32_t piece) {
-  const work_piece *p = &w->pieces.items[piece];
-  const set_kind kind = p->reflex.live > 0 ? SET_REFLEX : SET_FLAT;
-  const work_set *reflex = kind == SET_REFLEX ? &p->reflex : &p->flat;
+  const set_kind kind = w->pieces.items[piece].reflex.live > 0 ? SET_REFLEX : SET_FLAT;
+  const work_set *reflex = set_of(w, piece, kind);
   if (reflex->live == 0 || (kind == SET_FLAT && is_flat_enough(w, piece))) return CELLIST_NONE;
   set_arrange(w, piece, kind);
   set_arrange(w, piece, SET_MEMBERS);
   const size_t wanted = w->desc.candidates > 0 ? w->desc.candidates : DEFAULT_CANDIDATES;
   const bool any = wanted < reflex->live;
   const size_t draws = any ? wanted : reflex->live;
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  const uint32_t cell = piece_cell(w, piece);
   struct choice choice = {.kind = kind, .looks = LOOKS, .ties = TIE_LOOKS};
   w->choices++;
   size_t nth = 0;
@@ -241,9 +231,7 @@ void pieces_cut_by_grid(work *w) {
   const double *bounds = w->mesh->bounds;
   double extent = 0;
   for (int k = 0; k < 3; k++) extent = fmax(extent, bounds[3 + k] / 2 - bounds[k] / 2);
-  int power = 0;
-  frexp(extent, &power);
-  const double step = ldexp(1, power - ADDED_BITS);
+  const double step = ldexp(1, w->shift - ADDED_BITS);
   double along = w->desc.grid_size;
   if (along == 0) along = fmin(fmax(cbrt((double)w->boundary.count / FACES_PER_GRID_CELL), 2), 64);
   for (uint32_t axis = 0; axis < 3; axis++) {
@@ -269,8 +257,7 @@ void pieces_cut_all(work *w) {
       piece++;
       continue;
     }
-    if (piece_cut(w, piece, plane)) continue;
-    cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: a plane through a reflex edge does not cut");
-    work_fail(w, CELLIST_ERROR_INTERNAL);
+    if (!piece_cut(w, piece, plane))
+      work_stop(w, CELLIST_ERROR_INTERNAL, "convexify: a plane through a reflex edge does not cut");
   }
 }

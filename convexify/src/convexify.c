@@ -112,10 +112,9 @@ static void make(work *w, cellist_complex **complex) {
   }
   cellist_complex_destroy(*complex);
   *complex = NULL;
-  cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
-               "the mesh does not fill the volume that its boundary encloses (its tets overlap): off by %g of the hull",
-               w->stats.volume_error);
-  work_fail(w, CELLIST_ERROR_GEOMETRY);
+  work_stop(w, CELLIST_ERROR_GEOMETRY,
+            "the mesh does not fill the volume that its boundary encloses (its tets overlap): off by %g of the hull",
+            w->stats.volume_error);
 }
 
 static cellist_result attempt(cellist_context *context, const cellist_mesh *mesh, const cellist_convexify_desc *desc,

@@ -8,8 +8,6 @@
  * vertex's degree), and no vertex is moved onto the plane. */
 #include "work.h"
 
-static uint32_t piece_cell(const work *w, uint32_t piece) { return (uint32_t)(w->mesh->tet_count + piece); }
-
 static int side_of(work *w, uint32_t vertex, uint32_t plane) {
   work_vertex *v = &w->vertices.items[vertex];
   if (v->stamp != w->epoch) {
@@ -23,9 +21,9 @@ static int side_of(work *w, uint32_t vertex, uint32_t plane) {
 /* Bit 0: has vertices below the plane; bit 1: on it; bit 2: above. */
 static int span_of(work *w, uint32_t facet, uint32_t plane) {
   int span = 0;
-  for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE && span != 7;
-       u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, facet)) {
     const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
+    if (span == 7) break;
     span |= 1 << (side_of(w, v[0], plane) + 1);
     span |= 1 << (side_of(w, v[1], plane) + 1);
   }
@@ -56,8 +54,7 @@ static void gather_zeros(work *w) {
   w->zeros.count = 0;
   w->epoch_edges++;
   for (size_t i = 0; i < w->touched.count; i++)
-    for (uint32_t u = w->facets.items[w->touched.items[i]].first_use; u != CELLIST_NONE;
-         u = w->uses.items[u].next_in_facet)
+    for (EACH_USE(w, u, w->touched.items[i]))
       for (int end = 0; end < 2; end++) {
         const uint32_t v = w->edges.items[w->uses.items[u].edge].v[end];
         work_vertex *vertex = &w->vertices.items[v];
@@ -93,8 +90,7 @@ static void split_edge(work *w, uint32_t edge, uint32_t plane) {
 static void split_edges(work *w, uint32_t plane) {
   w->ids.count = 0;
   for (size_t i = 0; i < w->touched.count; i++)
-    for (uint32_t u = w->facets.items[w->touched.items[i]].first_use; u != CELLIST_NONE;
-         u = w->uses.items[u].next_in_facet) {
+    for (EACH_USE(w, u, w->touched.items[i])) {
       work_edge *e = &w->edges.items[w->uses.items[u].edge];
       if (e->stamp == w->epoch) continue;
       e->stamp = w->epoch;
@@ -108,7 +104,7 @@ static void split_edges(work *w, uint32_t plane) {
 static void gather_crossings(work *w, uint32_t facet) {
   id_list *hits = &w->hits;
   hits->count = 0;
-  for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, facet)) {
     const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
     for (int end = 0; end < 2; end++) {
       if (w->vertices.items[v[end]].sign != 0) continue;
@@ -131,16 +127,11 @@ static void gather_crossings(work *w, uint32_t facet) {
 }
 
 static bool has_edge(const work *w, uint32_t facet, uint32_t a, uint32_t b) {
-  for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, facet)) {
     const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
     if ((v[0] == a && v[1] == b) || (v[0] == b && v[1] == a)) return true;
   }
   return false;
-}
-
-static void push_member(work *w, uint32_t cell, uint32_t member) {
-  if (cell != CELLIST_NONE && cell >= w->mesh->tet_count)
-    set_push(w, &w->pieces.items[cell - w->mesh->tet_count].members, member);
 }
 
 /* New edges from a to b, parted at zero vertices that touch the facet in between; into w->split. */
@@ -162,9 +153,7 @@ static void add_new_edges(work *w, uint32_t a, uint32_t b, uint32_t plane, uint3
 static void split_facet(work *w, uint32_t facet, uint32_t plane) {
   gather_crossings(w, facet);
   const work_facet old = w->facets.items[facet];
-  const uint32_t below = work_add_facet(w, old.plane, old.cells[0], old.cells[1]);
-  w->facets.items[below].shell = old.shell;
-  for (uint32_t side = 0; side < 2; side++) push_member(w, old.cells[side], 2 * below + side);
+  const uint32_t below = facet_beside(w, facet);
 
   /* New edges, where the line is inside both just above and just below and no slit lies there. */
   w->split.count = 0;
@@ -216,7 +205,7 @@ static void split_facet(work *w, uint32_t facet, uint32_t plane) {
 }
 
 static int facet_sign(const work *w, uint32_t facet) {
-  for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, facet)) {
     const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
     if (w->vertices.items[v[0]].sign != 0) return w->vertices.items[v[0]].sign;
     if (w->vertices.items[v[1]].sign != 0) return w->vertices.items[v[1]].sign;
@@ -299,8 +288,7 @@ static void gather_cap(work *w, uint32_t cell, uint32_t plane) {
   w->on_plane.count = 0;
   w->epoch_edges++;
   for (size_t i = 0; i < w->touched.count; i++)
-    for (uint32_t u = w->facets.items[w->touched.items[i]].first_use; u != CELLIST_NONE;
-         u = w->uses.items[u].next_in_facet) {
+    for (EACH_USE(w, u, w->touched.items[i])) {
       work_edge *e = &w->edges.items[w->uses.items[u].edge];
       if (w->vertices.items[e->v[0]].sign != 0 || w->vertices.items[e->v[1]].sign != 0) continue;
       if (e->visited == w->epoch_edges) continue;

@@ -25,22 +25,15 @@ typedef struct face_record {
 
 static int compare_records(const void *a, const void *b) {
   const face_record *x = a, *y = b;
-  for (int k = 0; k < 3; k++)
-    if (x->key[k] != y->key[k]) return x->key[k] < y->key[k] ? -1 : 1;
+  const int order = work_compare3(x->key, y->key);
+  if (order != 0) return order;
   if (x->of_mesh != y->of_mesh) return x->of_mesh ? -1 : 1;
   return x->id < y->id ? -1 : x->id > y->id;
 }
 
 static face_record record_of(const uint32_t v[3], uint32_t id, bool of_mesh) {
   face_record r = {{v[0], v[1], v[2]}, id, of_mesh, false};
-  for (int pass = 0; pass < 3; pass++) {
-    const int i = pass % 2;
-    if (r.key[i] <= r.key[i + 1]) continue;
-    const uint32_t swap = r.key[i];
-    r.key[i] = r.key[i + 1];
-    r.key[i + 1] = swap;
-    r.odd = !r.odd;
-  }
+  r.odd = work_sort3(r.key);
   return r;
 }
 
@@ -54,14 +47,8 @@ typedef struct delaunay {
   face_record *records;
 } delaunay;
 
-static const double *position(const work *w, uint32_t vertex) {
-  const uint32_t point = w->vertices.items[vertex].point;
-  return point < w->mesh->point_count ? &w->mesh->positions[3 * (size_t)point]
-                                      : &w->added_points.items[3 * (point - w->mesh->point_count)];
-}
-
 static int orient(const work *w, const uint32_t v[3], uint32_t d) {
-  return cellist_orient3d(position(w, v[0]), position(w, v[1]), position(w, v[2]), position(w, d));
+  return cellist_orient3d(exact_point(w, v[0]), exact_point(w, v[1]), exact_point(w, v[2]), exact_point(w, d));
 }
 
 static void face_of(const delaunay *d, uint32_t face, uint32_t v[3]) {
@@ -173,8 +160,7 @@ static bool is_hull(work *w, const delaunay *d) {
   for (size_t b = 0; b < w->boundary.count; b++) faces += d->bare[b];
   for (size_t f = 0; f < 4 * d->tets.tet_count; f++)
     faces += d->state[f / 4] == OUTSIDE && d->mate[f] == CELLIST_NONE && d->wall[f] == CELLIST_NONE;
-  outer_edge *edges = cellist_allocate(w->context, 3 * faces, sizeof *edges);
-  if (edges == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  outer_edge *edges = work_block(w, 3 * faces, sizeof *edges);
   for (size_t b = 0; b < w->boundary.count; b++)
     if (d->bare[b]) add_outer(edges, &count, w->boundary.items[b].v);
   for (uint32_t f = 0; f < 4 * d->tets.tet_count; f++) {
@@ -191,18 +177,14 @@ static bool is_hull(work *w, const delaunay *d) {
          (i + 2 >= count || edges[i + 2].key != x->key) && orient(w, x->v, y->opposite) <= 0 &&
          orient(w, y->v, x->opposite) <= 0;
   }
-  cellist_deallocate(w->context, edges);
+  work_block_end(w);
   return ok;
 }
 
 static void add_triangle(work *w, const uint32_t v[3], uint32_t front, uint32_t back) {
   const uint32_t plane = exact_add_plane(w, v[0], v[1], v[2]);
   const uint32_t facet = work_add_facet(w, plane, front, back);
-  for (int k = 0; k < 3; k++) {
-    bool forward;
-    const uint32_t edge = work_point_edge(w, v[k], v[(k + 1) % 3], &forward);
-    work_add_use(w, facet, edge, forward);
-  }
+  for (int k = 0; k < 3; k++) work_use_points(w, facet, v[k], v[(k + 1) % 3]);
 }
 
 /* The exterior tets as pieces, with all their facets. */
@@ -234,7 +216,7 @@ static bool attempt(work *w, delaunay *d) {
   double_list *scaled = &w->box_scratch;
   work_reserve(w, scaled, 3 * given, sizeof(double));
   for (uint32_t v = 0; v < given; v++)
-    for (size_t k = 0; k < 3; k++) scaled->items[3 * v + k] = ldexp(position(w, v)[k], -w->shift);
+    for (size_t k = 0; k < 3; k++) scaled->items[3 * v + k] = ldexp(exact_point(w, v)[k], -w->shift);
   work_reserve(w, &w->ids, 3 * w->boundary.count, sizeof *w->ids.items);
   for (size_t b = 0; b < w->boundary.count; b++)
     memcpy(&w->ids.items[3 * b], w->boundary.items[b].v, 3 * sizeof(uint32_t));

@@ -9,18 +9,14 @@
 /* Faces between two reports: a few milliseconds. */
 enum { PROGRESS_FACES = 1024 };
 
-static const double *position(const work *w, uint32_t vertex) {
-  return &w->mesh->positions[3 * (size_t)w->vertices.items[vertex].point];
-}
-
 static int orient(const work *w, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-  return cellist_orient3d(position(w, a), position(w, b), position(w, c), position(w, d));
+  return cellist_orient3d(exact_point(w, a), exact_point(w, b), exact_point(w, c), exact_point(w, d));
 }
 
 /* The turn a, b, c with the axis left out. */
 static int flat_turn(const work *w, int axis, uint32_t a, uint32_t b, uint32_t c) {
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-  const double *p = position(w, a), *q = position(w, b), *r = position(w, c);
+  const double *p = exact_point(w, a), *q = exact_point(w, b), *r = exact_point(w, c);
   return cellist_orient2d((const double[2]){p[i], p[j]}, (const double[2]){q[i], q[j]}, (const double[2]){r[i], r[j]});
 }
 
@@ -28,7 +24,7 @@ static bool flat_segments_meet(const work *w, int axis, uint32_t a, uint32_t b, 
   const int ac = flat_turn(w, axis, a, b, c), ad = flat_turn(w, axis, a, b, d);
   const int ca = flat_turn(w, axis, c, d, a), cb = flat_turn(w, axis, c, d, b);
   if (ac != 0 || ad != 0 || ca != 0 || cb != 0) return ac * ad <= 0 && ca * cb <= 0;
-  const double *p = position(w, a), *q = position(w, b), *r = position(w, c), *s = position(w, d);
+  const double *p = exact_point(w, a), *q = exact_point(w, b), *r = exact_point(w, c), *s = exact_point(w, d);
   for (int k = 0; k < 3; k++)
     if (k != axis && (fmax(p[k], q[k]) < fmin(r[k], s[k]) || fmax(r[k], s[k]) < fmin(p[k], q[k]))) return false;
   return true;
@@ -94,7 +90,7 @@ void boundary_check_embedded(work *w) {
     double *box = &boxes->items[6 * f];
     for (int k = 0; k < 3; k++) {
       const uint32_t *v = w->boundary.items[f].v;
-      const double x = position(w, v[0])[k], y = position(w, v[1])[k], z = position(w, v[2])[k];
+      const double x = exact_point(w, v[0])[k], y = exact_point(w, v[1])[k], z = exact_point(w, v[2])[k];
       box[k] = fmin(x, fmin(y, z));
       box[3 + k] = fmax(x, fmax(y, z));
     }
@@ -111,10 +107,9 @@ void boundary_check_embedded(work *w) {
       const uint32_t g = near->items[i];
       if (g <= f || !faces_cross(w, &w->boundary.items[f], &w->boundary.items[g])) continue;
       const uint32_t *origin = w->mesh->tet_origin;
-      cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
-                   "boundary faces of cells %u and %u cross, or touch other than at shared vertices and edges",
-                   origin[w->boundary.items[f].tet], origin[w->boundary.items[g].tet]);
-      work_fail(w, CELLIST_ERROR_GEOMETRY);
+      work_stop(w, CELLIST_ERROR_GEOMETRY,
+                "boundary faces of cells %u and %u cross, or touch other than at shared vertices and edges",
+                origin[w->boundary.items[f].tet], origin[w->boundary.items[g].tet]);
     }
   }
 }

@@ -10,9 +10,6 @@
  * edge keeps the two points or two planes of its line. */
 #include "work.h"
 
-/* Forward error of n.x + d on rounded coefficients, in units of U times the sum of the terms' magnitudes: a coefficient
- * is off by 2 U, a vertex by 5 U (two conversions, one division), each term by 1 more, the sums by 3: 11. */
-static const double SIDE_BOUND = 16 * 0x1p-53;
 /* Two rounded coordinates, 5 U each. */
 static const double COMPARE_BOUND = 12 * 0x1p-53;
 /* A difference of two products of rounded coefficients: 5 U each and one more; of sheared coordinates: 16 U a factor.
@@ -34,16 +31,32 @@ void work_reserve(work *w, void *list, size_t count, size_t size) {
   l->capacity = capacity;
 }
 
+int work_compare3(const void *a, const void *b) {
+  const uint32_t *x = a, *y = b;
+  for (int k = 0; k < 3; k++)
+    if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
+  return 0;
+}
+
+void *work_block(work *w, size_t count, size_t size) {
+  w->block_scratch = cellist_allocate(w->context, count, size);
+  if (w->block_scratch == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  return w->block_scratch;
+}
+
+void work_block_end(work *w) {
+  cellist_deallocate(w->context, w->block_scratch);
+  w->block_scratch = NULL;
+}
+
 void work_fail(work *w, cellist_result result) {
   w->result = result;
   longjmp(w->failed, 1);
 }
 
 static exact_number keep(work *w, const wide *value) {
-  if (w->limbs.count + value->length > UINT32_MAX) {
-    cellist_fail(w->context, CELLIST_ERROR_UNSUPPORTED, "convexify: more exact coefficients than 32 bits can address");
-    work_fail(w, CELLIST_ERROR_UNSUPPORTED);
-  }
+  if (w->limbs.count + value->length > UINT32_MAX)
+    work_stop(w, CELLIST_ERROR_UNSUPPORTED, "convexify: more exact coefficients than 32 bits can address");
   work_reserve(w, &w->limbs, w->limbs.count + value->length, sizeof *w->limbs.items);
   const exact_number number = {value->sign * (int32_t)value->length, (uint32_t)w->limbs.count};
   if (value->length > 0) memcpy(&w->limbs.items[w->limbs.count], value->limb, value->length * sizeof value->limb[0]);
@@ -55,6 +68,40 @@ static void load(const work *w, wide *out, exact_number number) {
   out->sign = (number.length > 0) - (number.length < 0);
   out->length = (size_t)(number.length < 0 ? -number.length : number.length);
   if (out->length > 0) memcpy(out->limb, &w->limbs.items[number.offset], out->length * sizeof out->limb[0]);
+}
+
+static void set_zero(wide *value) {
+  value->sign = 0;
+  value->length = 0;
+}
+
+static void set_small(wide *value, uint64_t to) {
+  value->sign = value->length = to > 0;
+  value->limb[0] = to;
+}
+
+/* The sign of a rounded value that is off by less than error, or 0: to be found exactly. */
+static int filtered_sign(double value, double error) {
+  if (!(error > TINY && fabs(value) > error)) return 0;
+  return value > 0 ? 1 : -1;
+}
+
+/* *sum += the determinant of v[3 i + k]. sum, v: none of scratch. */
+static void add_determinant3(wide *sum, const wide *v, wide scratch[2]) {
+  for (int k = 0; k < 3; k++) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    wide_determinant2(&scratch[0], &v[3 + i], &v[3 + j], &v[6 + i], &v[6 + j], &scratch[1]);
+    wide_multiply(&scratch[1], &scratch[0], &v[k]);
+    wide_add(sum, sum, &scratch[1]);
+  }
+}
+
+/* The sign of a / p less b / q, p and q positive. */
+static int compare_quotients(const wide *a, const wide *p, const wide *b, const wide *q, wide scratch[2]) {
+  wide_multiply(&scratch[0], a, q);
+  wide_multiply(&scratch[1], b, p);
+  wide_subtract(&scratch[0], &scratch[0], &scratch[1]);
+  return scratch[0].sign;
 }
 
 /* |value| * 2^exponent = mantissa * 2^*power with mantissa in [1, 2^64): off by 2 U at most. */
@@ -105,24 +152,26 @@ uint32_t exact_add_point(work *w, const double position[3], uint32_t point) {
     vertex.p[k] = to_double(value, w->base - w->shift);
     vertex.exact[k] = keep(w, value);
   }
-  value->sign = 1;
-  value->length = 1;
-  value->limb[0] = 1;
+  set_small(value, 1);
   vertex.exact[3] = keep(w, value);
   list_push(w, &w->vertices, vertex);
   return (uint32_t)w->vertices.count - 1;
 }
 
+/* The power of two in which a plane's normal counts: an axis plane's is 1, a spanned one's are areas. The offset has
+ * one length more. */
+static int normal_power(const work *w, const work_plane *plane) {
+  return plane->ids[0] == CELLIST_NONE ? 0 : 2 * (w->base - w->shift);
+}
+
 static uint32_t keep_plane(work *w, const wide *normal, const wide *offset, const uint32_t ids[3]) {
   work_plane plane = {.ids = {ids[0], ids[1], ids[2]}};
-  const int unit = w->base - w->shift;
-  /* An axis plane's coefficients are 1 and a length, a spanned one's areas and a volume. */
-  const int area = ids[0] == CELLIST_NONE ? 0 : 2 * unit, volume = ids[0] == CELLIST_NONE ? unit : 3 * unit;
+  const int power = normal_power(w, &plane);
   for (int k = 0; k < 3; k++) {
-    plane.normal[k] = to_double(&normal[k], area);
+    plane.normal[k] = to_double(&normal[k], power);
     plane.exact[k] = keep(w, &normal[k]);
   }
-  plane.offset = to_double(offset, volume);
+  plane.offset = to_double(offset, power + w->base - w->shift);
   plane.exact[3] = keep(w, offset);
   list_push(w, &w->planes, plane);
   return (uint32_t)w->planes.count - 1;
@@ -138,8 +187,7 @@ uint32_t exact_add_plane(work *w, uint32_t a, uint32_t b, uint32_t c) {
     load(w, &v[k], w->vertices.items[c].exact[k]);
     wide_subtract(&v[k], &v[k], origin);
   }
-  offset->sign = 0;
-  offset->length = 0;
+  set_zero(offset);
   bool spans = false;
   for (int k = 0; k < 3; k++) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -155,10 +203,7 @@ uint32_t exact_add_plane(work *w, uint32_t a, uint32_t b, uint32_t c) {
 
 uint32_t exact_add_axis_plane(work *w, uint32_t axis, double offset) {
   wide *normal = &w->scratch[0], *d = &w->scratch[3];
-  for (uint32_t k = 0; k < 3; k++) {
-    normal[k].sign = normal[k].length = k == axis;
-    normal[k].limb[0] = 1;
-  }
+  for (uint32_t k = 0; k < 3; k++) set_small(&normal[k], k == axis);
   coordinate(w, d, &w->scratch[4], offset, (int)axis);
   d->sign = -d->sign;
   list_push(w, &w->offsets, offset);
@@ -168,8 +213,7 @@ uint32_t exact_add_axis_plane(work *w, uint32_t axis, double offset) {
 /* out = plane(vertex) times the vertex's w. */
 static void evaluate(work *w, wide *out, wide *scratch, const work_vertex *vertex, const work_plane *plane) {
   wide *a = &scratch[0], *b = &scratch[1], *product = &scratch[2];
-  out->sign = 0;
-  out->length = 0;
+  set_zero(out);
   for (int k = 0; k < 4; k++) {
     if (vertex->exact[k].length == 0 || plane->exact[k].length == 0) continue;
     load(w, a, vertex->exact[k]);
@@ -217,9 +261,8 @@ static uint32_t meet_of_planes(work *w, const uint32_t planes[3]) {
     for (int k = 0; k < 3; k++) load(w, &n[3 * i + k], w->planes.items[planes[i]].exact[k]);
     load(w, &d[i], w->planes.items[planes[i]].exact[3]);
   }
-  for (int k = 0; k < 3; k++) x[k].sign = 0, x[k].length = 0;
-  weight->sign = 0;
-  weight->length = 0;
+  for (int k = 0; k < 3; k++) set_zero(&x[k]);
+  set_zero(weight);
   for (int i = 0; i < 3; i++) {
     const wide *p = &n[3 * ((i + 1) % 3)], *q = &n[3 * ((i + 2) % 3)];
     for (int k = 0; k < 3; k++) {
@@ -244,8 +287,8 @@ int exact_side(work *w, uint32_t vertex, uint32_t plane) {
   const work_plane *p = &w->planes.items[plane];
   const double x = p->normal[0] * v->p[0], y = p->normal[1] * v->p[1], z = p->normal[2] * v->p[2];
   const double value = x + y + z + p->offset;
-  const double error = SIDE_BOUND * (fabs(x) + fabs(y) + fabs(z) + fabs(p->offset));
-  if (error > TINY && fabs(value) > error) return value > 0 ? 1 : -1;
+  const int sure = filtered_sign(value, SIDE_BOUND * (fabs(x) + fabs(y) + fabs(z) + fabs(p->offset)));
+  if (sure != 0) return sure;
   if (p->ids[0] != CELLIST_NONE && (vertex == p->ids[0] || vertex == p->ids[1] || vertex == p->ids[2])) return 0;
   evaluate(w, &w->scratch[0], &w->scratch[1], v, p);
   return w->scratch[0].sign;
@@ -254,18 +297,14 @@ int exact_side(work *w, uint32_t vertex, uint32_t plane) {
 int exact_compare_axis(work *w, uint32_t a, uint32_t b, int axis) {
   if (a == b) return 0;
   const work_vertex *p = &w->vertices.items[a], *q = &w->vertices.items[b];
-  const double difference = p->p[axis] - q->p[axis];
-  const double error = COMPARE_BOUND * (fabs(p->p[axis]) + fabs(q->p[axis]));
-  if (error > TINY && fabs(difference) > error) return difference > 0 ? 1 : -1;
-  wide *left = &w->scratch[0], *right = &w->scratch[1], *x = &w->scratch[2], *y = &w->scratch[3];
-  load(w, x, p->exact[axis]);
-  load(w, y, q->exact[3]);
-  wide_multiply(left, x, y);
-  load(w, x, q->exact[axis]);
-  load(w, y, p->exact[3]);
-  wide_multiply(right, x, y);
-  wide_subtract(left, left, right);
-  return left->sign;
+  const int sure = filtered_sign(p->p[axis] - q->p[axis], COMPARE_BOUND * (fabs(p->p[axis]) + fabs(q->p[axis])));
+  if (sure != 0) return sure;
+  wide *n = &w->scratch[0];
+  load(w, &n[0], p->exact[axis]);
+  load(w, &n[1], p->exact[3]);
+  load(w, &n[2], q->exact[axis]);
+  load(w, &n[3], q->exact[3]);
+  return compare_quotients(&n[0], &n[1], &n[2], &n[3], &n[4]);
 }
 
 int exact_compare(work *w, uint32_t a, uint32_t b) {
@@ -276,39 +315,35 @@ int exact_compare(work *w, uint32_t a, uint32_t b) {
   return 0;
 }
 
+static const wide *cross_exactly(work *w, const work_plane *a, const work_plane *b, int k) {
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  wide *n = &w->scratch[0];
+  load(w, &n[0], a->exact[i]);
+  load(w, &n[1], a->exact[j]);
+  load(w, &n[2], b->exact[i]);
+  load(w, &n[3], b->exact[j]);
+  wide_determinant2(&n[4], &n[0], &n[1], &n[2], &n[3], &n[5]);
+  return &n[4];
+}
+
 int exact_cross(work *w, uint32_t plane_a, uint32_t plane_b, int k) {
   const work_plane *a = &w->planes.items[plane_a], *b = &w->planes.items[plane_b];
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   const double left = a->normal[i] * b->normal[j], right = a->normal[j] * b->normal[i];
-  const double error = CROSS_BOUND * (fabs(left) + fabs(right));
-  if (error > TINY && fabs(left - right) > error) return left > right ? 1 : -1;
-  wide *n = &w->scratch[0];
-  load(w, &n[0], a->exact[i]);
-  load(w, &n[1], a->exact[j]);
-  load(w, &n[2], b->exact[i]);
-  load(w, &n[3], b->exact[j]);
-  wide_determinant2(&n[4], &n[0], &n[1], &n[2], &n[3], &n[5]);
-  return n[4].sign;
+  const int sure = filtered_sign(left - right, CROSS_BOUND * (fabs(left) + fabs(right)));
+  return sure != 0 ? sure : cross_exactly(w, a, b, k)->sign;
 }
 
 double exact_cross_value(work *w, uint32_t plane_a, uint32_t plane_b, int k) {
   const work_plane *a = &w->planes.items[plane_a], *b = &w->planes.items[plane_b];
-  const int i = (k + 1) % 3, j = (k + 2) % 3, unit = w->base - w->shift;
-  wide *n = &w->scratch[0];
-  load(w, &n[0], a->exact[i]);
-  load(w, &n[1], a->exact[j]);
-  load(w, &n[2], b->exact[i]);
-  load(w, &n[3], b->exact[j]);
-  wide_determinant2(&n[4], &n[0], &n[1], &n[2], &n[3], &n[5]);
-  return to_double(&n[4], (a->ids[0] == CELLIST_NONE ? 0 : 2 * unit) + (b->ids[0] == CELLIST_NONE ? 0 : 2 * unit));
+  return to_double(cross_exactly(w, a, b, k), normal_power(w, a) + normal_power(w, b));
 }
 
 double exact_height(work *w, uint32_t vertex, uint32_t plane) {
   const work_plane *p = &w->planes.items[plane];
-  const int unit = w->base - w->shift;
   evaluate(w, &w->scratch[0], &w->scratch[1], &w->vertices.items[vertex], p);
   load(w, &w->scratch[1], w->vertices.items[vertex].exact[3]);
-  return quotient(&w->scratch[0], &w->scratch[1], p->ids[0] == CELLIST_NONE ? unit : 3 * unit);
+  return quotient(&w->scratch[0], &w->scratch[1], normal_power(w, p) + w->base - w->shift);
 }
 
 bool exact_same_plane(work *w, uint32_t plane_a, uint32_t plane_b) {
@@ -332,18 +367,12 @@ int exact_same_direction(const work *w, uint32_t plane_a, uint32_t plane_b) {
 
 /* Six times the volume between the origin and the triangles. */
 static wide *sum_volume(work *w, const uint32_t *triangles, size_t count) {
-  wide *p = &w->scratch[0], *cross = &w->scratch[9], *product = &w->scratch[10], *sum = &w->scratch[11];
-  sum->sign = 0;
-  sum->length = 0;
+  wide *p = &w->scratch[0], *sum = &w->scratch[9];
+  set_zero(sum);
   for (size_t t = 0; t < count; t++) {
     for (int c = 0; c < 3; c++)
       for (int k = 0; k < 3; k++) load(w, &p[3 * c + k], w->vertices.items[triangles[3 * t + (size_t)c]].exact[k]);
-    for (int k = 0; k < 3; k++) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      wide_determinant2(cross, &p[3 + i], &p[3 + j], &p[6 + i], &p[6 + j], product);
-      wide_multiply(product, cross, &p[k]);
-      wide_add(sum, sum, product);
-    }
+    add_determinant3(sum, p, &w->scratch[10]);
   }
   return sum;
 }
@@ -361,13 +390,11 @@ static void shear_exactly(work *w, const int shear[2], uint32_t vertex, wide *ou
   wide *x = &w->scratch[12], *factor = &w->scratch[13], *product = &w->scratch[14], *y = &w->scratch[15];
   const work_vertex *v = &w->vertices.items[vertex];
   load(w, x, v->exact[0]);
-  factor->length = 1;
   for (int k = 0; k < 2; k++) {
     load(w, y, v->exact[1 + k]);
-    factor->sign = 1;
-    factor->limb[0] = 1024;
+    set_small(factor, 1024);
     wide_multiply(&out[k], y, factor);
-    factor->limb[0] = (uint64_t)shear[k]; /* positive */
+    set_small(factor, (uint64_t)shear[k]);
     wide_multiply(product, x, factor);
     wide_subtract(&out[k], &out[k], product);
   }
@@ -386,14 +413,12 @@ int exact_sheared_compare(work *w, const int shear[2], uint32_t a, uint32_t q) {
   double p[2], r[2], magnitude = 0;
   shear_rounded(w, shear, a, p, &magnitude);
   shear_rounded(w, shear, q, r, &magnitude);
-  if (magnitude > TINY && fabs(p[1] - r[1]) > TURN_BOUND * magnitude) return p[1] > r[1] ? 1 : -1;
-  wide *x = &w->scratch[0], *y = &w->scratch[3], *left = &w->scratch[6], *right = &w->scratch[7];
+  const int sure = filtered_sign(p[1] - r[1], TURN_BOUND * magnitude);
+  if (sure != 0) return sure;
+  wide *x = &w->scratch[0], *y = &w->scratch[3];
   shear_exactly(w, shear, a, x);
   shear_exactly(w, shear, q, y);
-  wide_multiply(left, &x[1], &y[2]);
-  wide_multiply(right, &y[1], &x[2]);
-  wide_subtract(left, left, right);
-  return left->sign;
+  return compare_quotients(&x[1], &x[2], &y[1], &y[2], &w->scratch[6]);
 }
 
 int exact_sheared_turn(work *w, const int shear[2], uint32_t a, uint32_t b, uint32_t q) {
@@ -402,19 +427,14 @@ int exact_sheared_turn(work *w, const int shear[2], uint32_t a, uint32_t b, uint
   shear_rounded(w, shear, b, r, &magnitude);
   shear_rounded(w, shear, q, s, &magnitude);
   const double turn = (r[0] - p[0]) * (s[1] - p[1]) - (r[1] - p[1]) * (s[0] - p[0]);
-  if (magnitude > TINY && fabs(turn) > TURN_BOUND * 8 * magnitude * magnitude) return turn > 0 ? 1 : -1;
-  wide *v = &w->scratch[0], *minor = &w->scratch[9], *product = &w->scratch[10], *sum = &w->scratch[11];
+  const int sure = filtered_sign(turn, TURN_BOUND * 8 * magnitude * magnitude);
+  if (sure != 0) return sure;
+  wide *v = &w->scratch[0], *sum = &w->scratch[9];
   shear_exactly(w, shear, a, &v[0]);
   shear_exactly(w, shear, b, &v[3]);
   shear_exactly(w, shear, q, &v[6]);
-  sum->sign = 0;
-  sum->length = 0;
-  for (int k = 0; k < 3; k++) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    wide_determinant2(minor, &v[3 + i], &v[3 + j], &v[6 + i], &v[6 + j], product);
-    wide_multiply(product, minor, &v[k]);
-    wide_add(sum, sum, product);
-  }
+  set_zero(sum);
+  add_determinant3(sum, v, &w->scratch[10]);
   return sum->sign;
 }
 
@@ -428,41 +448,39 @@ int exact_turn(work *w, int axis, uint32_t a, uint32_t b, uint32_t q) {
   const double error =
       TURN_BOUND * magnitude *
       (fabs(r[x] - p[x]) + fabs(s[y] - p[y]) + fabs(r[y] - p[y]) + fabs(s[x] - p[x]) + 64 * 0x1p-53 * magnitude);
-  if (error > TINY && fabs(left - right) > error) return left > right ? 1 : -1;
-  wide *v = &w->scratch[0], *minor = &w->scratch[9], *product = &w->scratch[10], *sum = &w->scratch[11];
+  const int sure = filtered_sign(left - right, error);
+  if (sure != 0) return sure;
+  wide *v = &w->scratch[0], *sum = &w->scratch[9];
   for (int i = 0; i < 3; i++) {
     load(w, &v[3 * i], w->vertices.items[id[i]].exact[x]);
     load(w, &v[3 * i + 1], w->vertices.items[id[i]].exact[y]);
     load(w, &v[3 * i + 2], w->vertices.items[id[i]].exact[3]);
   }
-  sum->sign = 0;
-  sum->length = 0;
-  for (int k = 0; k < 3; k++) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    wide_determinant2(minor, &v[3 + i], &v[3 + j], &v[6 + i], &v[6 + j], product);
-    wide_multiply(product, minor, &v[k]);
-    wide_add(sum, sum, product);
-  }
+  set_zero(sum);
+  add_determinant3(sum, v, &w->scratch[10]);
   return sum->sign;
 }
 
 int exact_plane_along(work *w, const int shear[2], uint32_t plane) {
   wide *n = &w->scratch[0], *factor = &w->scratch[1], *product = &w->scratch[2], *sum = &w->scratch[3];
   const uint64_t direction[3] = {1024, (uint64_t)shear[0], (uint64_t)shear[1]};
-  sum->sign = 0;
-  sum->length = 0;
+  set_zero(sum);
   for (int k = 0; k < 3; k++) {
     load(w, n, w->planes.items[plane].exact[k]);
-    factor->sign = 1;
-    factor->length = 1;
-    factor->limb[0] = direction[k];
+    set_small(factor, direction[k]);
     wide_multiply(product, n, factor);
     wide_add(sum, sum, product);
   }
   return sum->sign;
 }
 
+const double *exact_point(const work *w, uint32_t vertex) {
+  const size_t point = w->vertices.items[vertex].point, given = w->mesh->point_count;
+  return point < given ? &w->mesh->positions[3 * point] : &w->added_points.items[3 * (point - given)];
+}
+
 void exact_position(const work *w, uint32_t vertex, double position[3]) {
   const work_vertex *v = &w->vertices.items[vertex];
-  for (int k = 0; k < 3; k++) position[k] = w->origin[k] + ldexp(v->p[k], w->shift);
+  const double *given = v->point != CELLIST_NONE ? exact_point(w, vertex) : NULL;
+  for (int k = 0; k < 3; k++) position[k] = given != NULL ? given[k] : w->origin[k] + ldexp(v->p[k], w->shift);
 }

@@ -36,18 +36,13 @@ uint32_t work_add_piece(work *w) {
 
 /* ---- Edges between points ------------------------------------------------------------------------------------ */
 
-static uint64_t mix(uint64_t h) {
-  h *= 0x9e3779b97f4a7c15u;
-  return h ^ h >> 32;
-}
-
 static void grow_table(work *w, size_t size) {
   work_reserve(w, &w->edge_table, size, sizeof *w->edge_table.items);
   w->edge_table.count = size;
   memset(w->edge_table.items, 0xff, size * sizeof *w->edge_table.items);
   for (size_t e = 0; e < w->edges.count; e++) {
     const uint32_t *v = w->edges.items[e].v;
-    size_t slot = mix((uint64_t)v[0] << 32 | v[1]) & (size - 1);
+    size_t slot = work_mix((uint64_t)v[0] << 32 | v[1]) & (size - 1);
     while (w->edge_table.items[slot] != CELLIST_NONE) slot = (slot + 1) & (size - 1);
     w->edge_table.items[slot] = (uint32_t)e;
   }
@@ -61,7 +56,7 @@ uint32_t work_point_edge(work *w, uint32_t a, uint32_t b, bool *forward) {
   else if (2 * w->edges.count >= w->edge_table.count)
     grow_table(w, 2 * w->edge_table.count);
   const size_t mask = w->edge_table.count - 1;
-  size_t slot = mix((uint64_t)low << 32 | high) & mask;
+  size_t slot = work_mix((uint64_t)low << 32 | high) & mask;
   for (; w->edge_table.items[slot] != CELLIST_NONE; slot = (slot + 1) & mask) {
     const work_edge *e = &w->edges.items[w->edge_table.items[slot]];
     if (e->v[0] == low && e->v[1] == high) return w->edge_table.items[slot];
@@ -71,7 +66,7 @@ uint32_t work_point_edge(work *w, uint32_t a, uint32_t b, bool *forward) {
   return edge;
 }
 
-static void use_points(work *w, uint32_t facet, uint32_t a, uint32_t b) {
+void work_use_points(work *w, uint32_t facet, uint32_t a, uint32_t b) {
   bool forward;
   const uint32_t edge = work_point_edge(w, a, b, &forward);
   work_add_use(w, facet, edge, forward);
@@ -103,8 +98,7 @@ static int compare_half_edges(const void *a, const void *b) {
 /* planes[i] of triangles i (vertices at v + i * stride): those of adjacent coplanar triangles that face the same way
  * become that of the largest one. Planes made for the others stay unused. */
 static void share_planes(work *w, size_t count, const uint32_t *v, uint32_t *plane, size_t stride, uint32_t *parent) {
-  struct half_edge *halves = w->block_scratch = cellist_allocate(w->context, 3 * count, sizeof *halves);
-  if (halves == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  struct half_edge *halves = work_block(w, 3 * count, sizeof *halves);
   for (size_t t = 0; t < count; t++) {
     parent[t] = (uint32_t)t;
     for (size_t k = 0; k < 3; k++) {
@@ -130,20 +124,12 @@ static void share_planes(work *w, size_t count, const uint32_t *v, uint32_t *pla
       parent[a] = b;
   }
   for (size_t t = 0; t < count; t++) plane[t * stride] = plane[find_root(parent, (uint32_t)t) * stride];
-  cellist_deallocate(w->context, halves);
-  w->block_scratch = NULL;
+  work_block_end(w);
 }
 
 struct hull_side {
   uint32_t v[3], plane;
 };
-
-static int compare_sides(const void *a, const void *b) {
-  const uint32_t *x = a, *y = b;
-  for (int k = 0; k < 3; k++)
-    if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
-  return 0;
-}
 
 static int compare_keys(const void *a, const void *b) {
   const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
@@ -184,18 +170,14 @@ static void settle_sides(work *w, key_list *corners) {
   size_t kept = 0;
   for (size_t i = 0; i < corners->count; i++)
     if (kept == 0 || corners->items[kept - 1] != corners->items[i]) corners->items[kept++] = corners->items[i];
-  struct hull_side *sides = w->block_scratch = cellist_allocate(w->context, w->hull.count, sizeof *sides);
-  if (sides == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  struct hull_side *sides = work_block(w, w->hull.count, sizeof *sides);
   size_t count = 0;
   for (size_t begin = 0, end; begin < kept; begin = end) {
     for (end = begin + 1; end < kept && corners->items[end] >> 32 == corners->items[begin] >> 32;) end++;
     struct hull_side side = widest(w, &corners->items[begin], end - begin);
     const size_t planes = w->planes.count, limbs = w->limbs.count;
     const uint32_t plane = exact_add_plane(w, side.v[0], side.v[1], side.v[2]);
-    if (plane == CELLIST_NONE) {
-      cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: the hull has a side of no area");
-      work_fail(w, CELLIST_ERROR_INTERNAL);
-    }
+    if (plane == CELLIST_NONE) work_stop(w, CELLIST_ERROR_INTERNAL, "convexify: the hull has a side of no area");
     if (exact_same_direction(w, plane, side.plane) < 0) {
       const uint32_t swap = side.v[1];
       side.v[1] = side.v[2];
@@ -205,13 +187,12 @@ static void settle_sides(work *w, key_list *corners) {
     w->limbs.count = limbs;
     sides[count++] = side;
   }
-  qsort(sides, count, sizeof *sides, compare_sides);
+  qsort(sides, count, sizeof *sides, work_compare3);
   work_reserve(w, &w->ids, w->planes.count + count, sizeof *w->ids.items);
   for (size_t s = 0; s < count; s++)
     w->ids.items[sides[s].plane] = exact_add_plane(w, sides[s].v[0], sides[s].v[1], sides[s].v[2]);
   for (size_t t = 0; t < w->hull.count; t++) w->hull.items[t].plane = w->ids.items[w->hull.items[t].plane];
-  cellist_deallocate(w->context, sides);
-  w->block_scratch = NULL;
+  work_block_end(w);
 }
 
 /* ---- Hull sides less boundary faces -------------------------------------------------------------------------- */
@@ -273,8 +254,7 @@ static void chain_add(work *w, hull_sides *s, uint32_t plane, uint32_t a, uint32
 
 /* The hull's edges between two sides, split at the vertices on both, once for either side. */
 static void chain_outlines(work *w, hull_sides *s) {
-  struct half_edge *halves = w->block_scratch = cellist_allocate(w->context, 3 * w->hull.count, sizeof *halves);
-  if (halves == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  struct half_edge *halves = work_block(w, 3 * w->hull.count, sizeof *halves);
   for (size_t t = 0; t < w->hull.count; t++)
     for (size_t k = 0; k < 3; k++) {
       const uint32_t a = w->hull.items[t].v[k], b = w->hull.items[t].v[(k + 1) % 3];
@@ -285,10 +265,8 @@ static void chain_outlines(work *w, hull_sides *s) {
   /* Per pair of sides the vertices on both, in order along their common edge. */
   for (size_t i = 0; i + 1 < 3 * w->hull.count; i += 2) {
     const struct half_edge *x = &halves[i], *y = &halves[i + 1];
-    if (x->key != y->key || x->opposite == y->opposite) {
-      cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: the hull is not closed");
-      work_fail(w, CELLIST_ERROR_INTERNAL);
-    }
+    if (x->key != y->key || x->opposite == y->opposite)
+      work_stop(w, CELLIST_ERROR_INTERNAL, "convexify: the hull is not closed");
     if (x->face == y->face) continue;
     uint32_t from = (uint32_t)(x->key >> 32), to = (uint32_t)x->key;
     list_push(w, &w->hits, from);
@@ -296,8 +274,7 @@ static void chain_outlines(work *w, hull_sides *s) {
     list_push(w, &w->hits, x->opposite ? x->face : y->face); /* the side that goes from low to high */
     list_push(w, &w->hits, x->opposite ? y->face : x->face);
   }
-  cellist_deallocate(w->context, halves);
-  w->block_scratch = NULL;
+  work_block_end(w);
   /* The vertices of a side that has few hull corners may be many: go through them once per side, not per edge. */
   key_list *by_plane = &s->by_plane;
   work_reserve(w, by_plane, s->on.count, sizeof *by_plane->items);
@@ -401,9 +378,8 @@ static uint32_t cell_of_facet(const work *w, uint32_t facet) {
 }
 
 _Noreturn static void fail_nested(work *w, uint32_t member) {
-  cellist_fail(w->context, CELLIST_ERROR_GEOMETRY, "the part of the mesh around cell %u lies inside other cells",
-               cell_of_facet(w, member / 2));
-  work_fail(w, CELLIST_ERROR_GEOMETRY);
+  work_stop(w, CELLIST_ERROR_GEOMETRY, "the part of the mesh around cell %u lies inside other cells",
+            cell_of_facet(w, member / 2));
 }
 
 /* The sign of a shell that has no hull side, seen from the exterior: 1 encloses it (a cavity), -1 is enclosed by it. */
@@ -419,7 +395,7 @@ static int shell_sign(work *w, const uint32_t *members, size_t count, uint32_t b
 }
 
 static void add_member(work *w, uint32_t piece, uint32_t member) {
-  w->facets.items[member / 2].cells[member % 2] = (uint32_t)(w->mesh->tet_count + piece);
+  w->facets.items[member / 2].cells[member % 2] = piece_cell(w, piece);
   set_push(w, &w->pieces.items[piece].members, member);
 }
 
@@ -515,10 +491,8 @@ static void check_closed(work *w) {
       sum += use->forward == front ? 1 : -1;
       facet = use->facet;
     }
-    if (sum == 0) continue;
-    cellist_fail(w->context, CELLIST_ERROR_GEOMETRY, "the boundary is not closed near cell %u",
-                 cell_of_facet(w, facet));
-    work_fail(w, CELLIST_ERROR_GEOMETRY);
+    if (sum != 0)
+      work_stop(w, CELLIST_ERROR_GEOMETRY, "the boundary is not closed near cell %u", cell_of_facet(w, facet));
   }
 }
 
@@ -538,13 +512,11 @@ static void build_facets(work *w, hull_sides *s) {
     const boundary_face *face = &w->boundary.items[f];
     sides_of[f] = side_of_face(s, face->v);
     const bool inside = sides_of[f] == CELLIST_NONE;
-    if (!inside && exact_same_direction(w, face->plane, sides_of[f]) < 0) {
-      cellist_fail(w->context, CELLIST_ERROR_GEOMETRY, "cell %u lies outside the hull", w->mesh->tet_origin[face->tet]);
-      work_fail(w, CELLIST_ERROR_GEOMETRY);
-    }
+    if (!inside && exact_same_direction(w, face->plane, sides_of[f]) < 0)
+      work_stop(w, CELLIST_ERROR_GEOMETRY, "cell %u lies outside the hull", w->mesh->tet_origin[face->tet]);
     const uint32_t facet =
         work_add_facet(w, inside ? face->plane : sides_of[f], inside ? exterior : CELLIST_NONE, face->tet);
-    for (int k = 0; k < 3; k++) use_points(w, facet, face->v[k], face->v[(k + 1) % 3]);
+    for (int k = 0; k < 3; k++) work_use_points(w, facet, face->v[k], face->v[(k + 1) % 3]);
   }
   const size_t boundary_edge_count = w->edges.count;
   w->hits.count = 0;

@@ -25,8 +25,8 @@ static void count_violations(work *w) {
   for (size_t f = 0; f < w->facets.count; f++)
     for (int side = 0; side < 2; side++) {
       const uint32_t cell = w->facets.items[f].cells[side];
-      if (cell == CELLIST_NONE || cell < w->mesh->tet_count) continue;
-      for (uint32_t u = w->facets.items[f].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+      if (!is_piece(w, cell)) continue;
+      for (EACH_USE(w, u, f)) {
         const work_event mate = sector_mate(w, u, side);
         const work_event own = {u, (uint32_t)f, (uint8_t)side, w->uses.items[u].forward ? 1 : -1, !mate.closing};
         if (!mate.closing) continue;
@@ -45,13 +45,12 @@ static void count_violations(work *w) {
 
 /* Numbers the pieces that are still in use. */
 static void number_pieces(work *w, id_list *number, size_t *count) {
-  const uint32_t base = (uint32_t)w->mesh->tet_count;
   work_reserve(w, number, w->pieces.count + 1, sizeof *number->items);
   memset(number->items, 0xff, w->pieces.count * sizeof *number->items);
   for (size_t f = 0; f < w->facets.count; f++)
     for (int side = 0; side < 2; side++) {
       const uint32_t cell = w->facets.items[f].cells[side];
-      if (cell != CELLIST_NONE && cell >= base) number->items[cell - base] = 0;
+      if (is_piece(w, cell)) number->items[cell - w->mesh->tet_count] = 0;
     }
   *count = 0;
   for (size_t p = 0; p < w->pieces.count; p++)
@@ -59,8 +58,7 @@ static void number_pieces(work *w, id_list *number, size_t *count) {
 }
 
 static uint32_t numbered(const work *w, const id_list *number, uint32_t cell) {
-  const uint32_t base = (uint32_t)w->mesh->tet_count;
-  return cell == CELLIST_NONE || cell < base ? cell : base + number->items[cell - base];
+  return is_piece(w, cell) ? piece_cell(w, number->items[cell - w->mesh->tet_count]) : cell;
 }
 
 static void add_contacts(work *w) {
@@ -81,9 +79,7 @@ _Noreturn static void fail_polygon(work *w, uint32_t a, uint32_t b) {
     w->retry_without_it = true;
     work_fail(w, CELLIST_ERROR_GEOMETRY);
   }
-  cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
-               "convexify: cells %u and %u of the complex do not meet in one polygon", a, b);
-  work_fail(w, CELLIST_ERROR_GEOMETRY);
+  work_stop(w, CELLIST_ERROR_GEOMETRY, "convexify: cells %u and %u of the complex do not meet in one polygon", a, b);
 }
 
 /* w->hits: from, to of each edge of the group's outline, counter-clockwise about the plane. */
@@ -93,7 +89,7 @@ static void gather_outline(work *w, const facet_key *keys, size_t count, uint32_
   for (size_t i = 0; i < count; i++) {
     const uint32_t facet = keys[i].facet, own = w->facets.items[facet].plane;
     const bool same = own == plane || exact_same_direction(w, own, plane) > 0;
-    for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+    for (EACH_USE(w, u, facet)) {
       const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
       const bool forward = w->uses.items[u].forward == same;
       const uint32_t from = v[forward ? 0 : 1], to = v[forward ? 1 : 0];
@@ -151,13 +147,7 @@ static uint32_t vertex_number(work *w, const numbering *n, uint32_t v) {
   if (*number != CELLIST_NONE) return *number;
   *number = (uint32_t)(w->out.vertices.count / 3);
   double p[3];
-  const uint32_t point = w->vertices.items[v].point;
-  if (point < w->mesh->point_count)
-    memcpy(p, &w->mesh->positions[3 * (size_t)point], sizeof p);
-  else if (point != CELLIST_NONE)
-    memcpy(p, &w->added_points.items[3 * (point - w->mesh->point_count)], sizeof p);
-  else
-    exact_position(w, v, p);
+  exact_position(w, v, p);
   for (int k = 0; k < 3; k++) list_push(w, &w->out.vertices, p[k]);
   return *number;
 }
@@ -167,7 +157,6 @@ static void put_polygon(work *w, const numbering *n, uint32_t facet) {
   output *out = &w->out;
   const work_facet *f = &w->facets.items[facet];
   const work_plane *plane = &w->planes.items[f->plane];
-  const uint32_t base = (uint32_t)w->mesh->tet_count;
   const uint32_t cells[2] = {numbered(w, n->pieces, f->cells[0]), numbered(w, n->pieces, f->cells[1])};
   uint32_t *plane_number = &n->planes->items[f->plane];
   if (*plane_number == CELLIST_NONE) {
@@ -180,8 +169,7 @@ static void put_polygon(work *w, const numbering *n, uint32_t facet) {
   const double volume = polygon_volume(w, w->sorted.items, w->sorted.count);
   for (int side = 0; side < 2; side++) {
     list_push(w, &out->cells, cells[side]);
-    if (cells[side] != CELLIST_NONE && cells[side] >= base)
-      n->volumes[cells[side] - base] += side == 0 ? -volume : volume;
+    if (is_piece(w, cells[side])) n->volumes[cells[side] - w->mesh->tet_count] += side == 0 ? -volume : volume;
   }
   for (size_t i = 0; i < w->sorted.count; i++) {
     const uint32_t corner = vertex_number(w, n, w->sorted.items[i]);
@@ -256,11 +244,7 @@ static void measure_mesh(work *w) {
 static double measure_overhang(work *w) {
   double most = 0, diagonal;
   for (size_t p = 0; p < w->pieces.count && w->stats.flat_edges > 0; p++) {
-    const uint32_t cell = (uint32_t)(w->mesh->tet_count + p);
-    const id_list *members = &w->pieces.items[p].members.items;
-    w->sorted.count = 0;
-    for (size_t i = 0; i < members->count; i++)
-      if (set_holds(w, cell, SET_MEMBERS, members->items[i])) list_push(w, &w->sorted, members->items[i]);
+    set_list(w, (uint32_t)p, SET_MEMBERS, &w->sorted);
     if (w->sorted.count > 0 && w->pieces.items[p].flat.live > 0)
       most = fmax(most, flat_overhang(w, w->sorted.items, w->sorted.count, &diagonal));
   }
@@ -302,7 +286,6 @@ void finish(work *w, cellist_complex **complex) {
   count_violations(w);
   const double overhang = measure_overhang(w);
   add_contacts(w);
-  const uint32_t base = (uint32_t)w->mesh->tet_count;
   size_t imaginary_count = 0;
   numbering n = {&w->ids, &w->touched, &w->split, NULL};
   number_pieces(w, n.pieces, &imaginary_count);
@@ -314,8 +297,7 @@ void finish(work *w, cellist_complex **complex) {
   n.volumes = w->box_scratch.items;
   for (size_t i = 0; i < imaginary_count; i++) n.volumes[i] = 0;
 
-  facet_key *keys = w->block_scratch = cellist_allocate(w->context, w->facets.count, sizeof *keys);
-  if (keys == NULL) work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
+  facet_key *keys = work_block(w, w->facets.count, sizeof *keys);
   const size_t count = sort_facets(w, n.pieces, keys);
   output *out = &w->out;
   list_push(w, &out->starts, 0);
@@ -339,8 +321,8 @@ void finish(work *w, cellist_complex **complex) {
 
   for (size_t i = 0; i < 3 * w->mesh->point_count; i++) list_push(w, &out->points, w->mesh->positions[i]);
   for (size_t i = 0; i < w->added_points.count; i++) list_push(w, &out->points, w->added_points.items[i]);
-  const cellist_complex_arrays arrays = {.tet_count = base,
-                                         .cell_count = base + imaginary_count,
+  const cellist_complex_arrays arrays = {.tet_count = w->mesh->tet_count,
+                                         .cell_count = w->mesh->tet_count + imaginary_count,
                                          .point_count = out->points.count / 3,
                                          .points = out->points.items,
                                          .offset_count = w->offsets.count,

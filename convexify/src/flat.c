@@ -9,8 +9,6 @@
  * of a plane. Angle and distance are computed from exact coefficients: their error is a few units in the last place. */
 #include "tree.h"
 
-/* As in exact.c: n.x + d on rounded coefficients. */
-static const double SIDE_BOUND = 16 * 0x1p-53;
 /* Angle and distance are rounded up by this factor, more than what their last steps lose. */
 static const double ROUND_UP = 1 + 0x1p-44;
 
@@ -77,7 +75,7 @@ double flat_overhang(work *w, const uint32_t *members, size_t count, double *dia
   w->epoch_edges++;
   for (size_t i = 0; i < count; i++) {
     list_push(w, planes, 2 * w->facets.items[members[i] / 2].plane + members[i] % 2);
-    for (uint32_t u = w->facets.items[members[i] / 2].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet)
+    for (EACH_USE(w, u, members[i] / 2))
       for (int end = 0; end < 2; end++) {
         const uint32_t v = w->edges.items[w->uses.items[u].edge].v[end];
         if (w->vertices.items[v].visited == w->epoch_edges) continue;

@@ -7,18 +7,8 @@
 
 static void add_face(work *w, uint32_t a, uint32_t b, uint32_t c) {
   const hull_face face = {{a, b, c}, exact_add_plane(w, a, b, c)};
-  if (face.plane == CELLIST_NONE) {
-    cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: the hull has a side of no area");
-    work_fail(w, CELLIST_ERROR_INTERNAL);
-  }
+  if (face.plane == CELLIST_NONE) work_stop(w, CELLIST_ERROR_INTERNAL, "convexify: the hull has a side of no area");
   list_push(w, &w->hull, face);
-}
-
-static int compare_triangles(const void *a, const void *b) {
-  const uint32_t *x = a, *y = b;
-  for (int k = 0; k < 3; k++)
-    if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
-  return 0;
 }
 
 /* CGAL's order of triangles, and of a triangle's corners, changes from call to call. */
@@ -32,7 +22,7 @@ static void put_in_order(uint32_t *triangles, size_t count) {
       v[2] = first;
     }
   }
-  qsort(triangles, count, 3 * sizeof *triangles, compare_triangles);
+  qsort(triangles, count, 3 * sizeof *triangles, work_compare3);
 }
 
 void hull_gather(work *w) {
@@ -40,20 +30,12 @@ void hull_gather(work *w) {
   double_list *positions = &w->box_scratch;
   positions->count = 0;
   work_reserve(w, positions, 3 * count, sizeof(double));
-  for (size_t v = 0; v < count; v++) {
-    const double *p = &w->mesh->positions[3 * (size_t)w->vertices.items[v].point];
-    memcpy(&positions->items[3 * v], p, 3 * sizeof *p);
-  }
+  for (size_t v = 0; v < count; v++) memcpy(&positions->items[3 * v], exact_point(w, (uint32_t)v), 3 * sizeof(double));
   work_reserve(w, &w->ids, 6 * count, sizeof *w->ids.items);
   size_t triangle_count = 0;
   const hull_result done = hull_compute(count, positions->items, w->ids.items, &triangle_count);
-  if (done == HULL_NO_MEMORY) {
-    cellist_fail(w->context, CELLIST_ERROR_OUT_OF_MEMORY, "convexify: no memory for the convex hull");
-    work_fail(w, CELLIST_ERROR_OUT_OF_MEMORY);
-  } else if (done != HULL_DONE) {
-    cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: CGAL's convex hull failed");
-    work_fail(w, CELLIST_ERROR_INTERNAL);
-  }
+  if (done == HULL_NO_MEMORY) work_stop(w, CELLIST_ERROR_OUT_OF_MEMORY, "convexify: no memory for the convex hull");
+  if (done != HULL_DONE) work_stop(w, CELLIST_ERROR_INTERNAL, "convexify: CGAL's convex hull failed");
   put_in_order(w->ids.items, triangle_count);
   for (size_t t = 0; t < triangle_count; t++) {
     const uint32_t *v = &w->ids.items[3 * t];
@@ -64,11 +46,7 @@ void hull_gather(work *w) {
 void box_gather(work *w) {
   /* A margin keeps the box clear of the mesh, so that no side coincides with a boundary face. 1/64 to 1/32 of the
    * largest extent: near enough to add little to sort, far enough to be no sliver. */
-  double extent = 0;
-  for (int k = 0; k < 3; k++) extent = fmax(extent, w->mesh->bounds[3 + k] / 2 - w->mesh->bounds[k] / 2);
-  int power = 0;
-  frexp(extent, &power);
-  const double step = ldexp(1, power - ADDED_BITS), margin = ldexp(1, power - 5);
+  const double step = ldexp(1, w->shift - ADDED_BITS), margin = ldexp(1, w->shift - 5);
   uint32_t corner[8];
   for (uint32_t i = 0; i < 8; i++) {
     double p[3];

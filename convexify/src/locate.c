@@ -14,7 +14,7 @@ static int parity_along(work *w, const int shear[2], const uint32_t *members, si
   for (size_t i = 0; i < count; i++) {
     const uint32_t facet = members[i] / 2, plane = w->facets.items[facet].plane;
     int inside = 0;
-    for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+    for (EACH_USE(w, u, facet)) {
       const uint32_t *v = w->edges.items[w->uses.items[u].edge].v;
       if (v[0] == vertex || v[1] == vertex) return -1;
       const int a = exact_sheared_compare(w, shear, v[0], vertex), b = exact_sheared_compare(w, shear, v[1], vertex);
@@ -33,8 +33,7 @@ static int parity_along(work *w, const int shear[2], const uint32_t *members, si
 
 bool surface_contains(work *w, const uint32_t *members, size_t count, uint32_t shell_member) {
   int tries = 0;
-  for (uint32_t u = w->facets.items[shell_member / 2].first_use; u != CELLIST_NONE;
-       u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, shell_member / 2)) {
     const uint32_t vertex = w->edges.items[w->uses.items[u].edge].v[0];
     for (int draw = 0; draw < DRAWS && tries < DRAWS * VERTICES; draw++, tries++) {
       const int shear[2] = {1 + (int)random_below(&w->random, 1021), 1 + (int)random_below(&w->random, 1021)};
@@ -42,7 +41,5 @@ bool surface_contains(work *w, const uint32_t *members, size_t count, uint32_t s
       if (parity >= 0) return parity == 1;
     }
   }
-  cellist_fail(w->context, CELLIST_ERROR_GEOMETRY,
-               "convexify: no half-line tells which part of the exterior holds a shell");
-  work_fail(w, CELLIST_ERROR_GEOMETRY);
+  work_stop(w, CELLIST_ERROR_GEOMETRY, "convexify: no half-line tells which part of the exterior holds a shell");
 }

@@ -15,7 +15,7 @@ static bool shares(const work *w, uint32_t facet, uint32_t cell_a, uint32_t cell
 /* Whether the two stay convex together at all edges of this common facet that border on other facets. */
 static bool fits_at(work *w, uint32_t facet, uint32_t cell_a, uint32_t cell_b) {
   const int side_a = w->facets.items[facet].cells[0] == cell_a ? 0 : 1;
-  for (uint32_t u = w->facets.items[facet].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, facet)) {
     const work_event a = sector_mate(w, u, side_a), b = sector_mate(w, u, 1 - side_a);
     if (shares(w, a.facet, cell_a, cell_b) || shares(w, b.facet, cell_a, cell_b)) {
       if (a.facet != b.facet) return false;
@@ -30,8 +30,7 @@ static bool fits_at(work *w, uint32_t facet, uint32_t cell_a, uint32_t cell_b) {
 /* Pieces that are convex but for edges that count as flat: whether their union is, too. */
 static bool stay_flat(work *w, uint32_t cell_a, uint32_t cell_b) {
   const uint32_t cells[2] = {cell_a, cell_b};
-  work_piece *pieces[2];
-  for (int i = 0; i < 2; i++) pieces[i] = &w->pieces.items[cells[i] - w->mesh->tet_count];
+  work_piece *pieces[2] = {piece_of(w, cell_a), piece_of(w, cell_b)};
   if (pieces[0]->flat.live + pieces[1]->flat.live == 0) return true;
   w->sorted.count = 0;
   for (int i = 0; i < 2; i++)
@@ -45,33 +44,36 @@ static bool stay_flat(work *w, uint32_t cell_a, uint32_t cell_b) {
   return true;
 }
 
+/* Members that left for another piece must not be there twice when that piece comes back. */
+static void drop_stale_members(work *w, uint32_t cell) {
+  id_list *members = &piece_of(w, cell)->members.items;
+  size_t kept = 0;
+  for (size_t i = 0; i < members->count; i++)
+    if (set_holds(w, cell, SET_MEMBERS, members->items[i])) members->items[kept++] = members->items[i];
+  members->count = kept;
+}
+
 static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
-  const uint32_t base = (uint32_t)w->mesh->tet_count;
-  if (w->pieces.items[cell_a - base].members.items.count < w->pieces.items[cell_b - base].members.items.count) {
+  if (piece_of(w, cell_a)->members.items.count < piece_of(w, cell_b)->members.items.count) {
     const uint32_t swap = cell_a;
     cell_a = cell_b;
     cell_b = swap;
   }
-  id_list *members = &w->pieces.items[cell_b - base].members.items;
-  size_t kept = 0;
+  drop_stale_members(w, cell_b);
+  id_list *members = &piece_of(w, cell_b)->members.items;
   for (size_t i = 0; i < members->count; i++) {
-    const uint32_t member = members->items[i];
-    if (w->facets.items[member / 2].cells[member % 2] == cell_b) members->items[kept++] = member;
-  }
-  members->count = kept;
-  for (size_t i = 0; i < kept; i++) {
     const uint32_t facet = members->items[i] / 2;
     if (shares(w, facet, cell_a, cell_b) && !fits_at(w, facet, cell_a, cell_b)) return false;
   }
   if (!stay_flat(w, cell_a, cell_b)) return false;
-  for (size_t i = 0; i < kept; i++) {
+  for (size_t i = 0; i < members->count; i++) {
     const uint32_t member = members->items[i];
     work_facet *f = &w->facets.items[member / 2];
     if (shares(w, member / 2, cell_a, cell_b)) {
       f->cells[0] = f->cells[1] = CELLIST_NONE;
     } else {
       f->cells[member % 2] = cell_a;
-      set_push(w, &w->pieces.items[cell_a - base].members, member);
+      set_push(w, &piece_of(w, cell_a)->members, member);
     }
   }
   members->count = 0;
@@ -79,21 +81,8 @@ static bool try_merge(work *w, uint32_t cell_a, uint32_t cell_b) {
   return true;
 }
 
-/* Members that left for another piece must not be there twice when that piece comes back. */
-static void drop_stale_members(work *w) {
-  for (size_t p = 0; p < w->pieces.count; p++) {
-    id_list *members = &w->pieces.items[p].members.items;
-    size_t kept = 0;
-    for (size_t i = 0; i < members->count; i++)
-      if (set_holds(w, (uint32_t)(w->mesh->tet_count + p), SET_MEMBERS, members->items[i]))
-        members->items[kept++] = members->items[i];
-    members->count = kept;
-  }
-}
-
 void pieces_merge(work *w) {
-  const uint32_t base = (uint32_t)w->mesh->tet_count;
-  drop_stale_members(w);
+  for (size_t p = 0; p < w->pieces.count; p++) drop_stale_members(w, piece_cell(w, p));
   bool changed = true;
   while (changed) {
     changed = false;
@@ -101,7 +90,7 @@ void pieces_merge(work *w) {
       if (f % PROGRESS_FACETS == 0)
         work_progress(w, PROGRESS_MERGE, PROGRESS_FINISH, 0.5 * (double)f / (double)w->facets.count);
       const uint32_t a = w->facets.items[f].cells[0], b = w->facets.items[f].cells[1];
-      if (a == CELLIST_NONE || b == CELLIST_NONE || a < base || b < base || a == b) continue;
+      if (!is_piece(w, a) || !is_piece(w, b) || a == b) continue;
       changed |= fits_at(w, f, a, b) && try_merge(w, a, b);
     }
   }

@@ -26,10 +26,7 @@ static void push_pending(work *w, uint32_t component, uint32_t member) {
 
 static void unite(work *w, uint32_t a, uint32_t b) {
   search_component *x = &w->components.items[a], *y = &w->components.items[b];
-  if (x->sign != y->sign) {
-    cellist_fail(w->context, CELLIST_ERROR_INTERNAL, "convexify: a cut does not part a piece");
-    work_fail(w, CELLIST_ERROR_INTERNAL);
-  }
+  if (x->sign != y->sign) work_stop(w, CELLIST_ERROR_INTERNAL, "convexify: a cut does not part a piece");
   y->parent = a;
   x->count += y->count;
   if (y->pending != CELLIST_NONE) {
@@ -52,7 +49,7 @@ static void expand(work *w, uint32_t component) {
   w->nodes.items[node].next = c->done_first;
   if (c->done_first == CELLIST_NONE) c->done_last = node;
   c->done_first = node;
-  for (uint32_t u = w->facets.items[member / 2].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, member / 2)) {
     const work_event mate = sector_mate(w, u, (int)(member % 2));
     const work_facet *f = &w->facets.items[mate.facet];
     const uint32_t root = find(w, component);
@@ -107,9 +104,9 @@ static uint32_t search_in_turn(work *w) {
 }
 
 static void give_to_piece(work *w, uint32_t member, uint32_t piece) {
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  const uint32_t cell = piece_cell(w, piece);
   uint32_t *owner = &w->facets.items[member / 2].cells[member % 2];
-  w->pieces.items[*owner - w->mesh->tet_count].members.live--;
+  piece_of(w, *owner)->members.live--;
   *owner = cell;
   set_push(w, &w->pieces.items[piece].members, member);
 }
@@ -118,8 +115,7 @@ static void give_to_piece(work *w, uint32_t member, uint32_t piece) {
 static void give_reflex_edges(work *w, const uint32_t *members, size_t count) {
   w->epoch_edges++;
   for (size_t i = 0; i < count; i++)
-    for (uint32_t u = w->facets.items[members[i] / 2].first_use; u != CELLIST_NONE;
-         u = w->uses.items[u].next_in_facet) {
+    for (EACH_USE(w, u, members[i] / 2)) {
       work_edge *e = &w->edges.items[w->uses.items[u].edge];
       if (e->reflex_cell == CELLIST_NONE || e->visited == w->epoch_edges) continue;
       e->visited = w->epoch_edges;
@@ -128,7 +124,7 @@ static void give_reflex_edges(work *w, const uint32_t *members, size_t count) {
 }
 
 static int member_sign(work *w, uint32_t member, uint32_t plane) {
-  for (uint32_t u = w->facets.items[member / 2].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet) {
+  for (EACH_USE(w, u, member / 2)) {
     const int sign = exact_side(w, w->edges.items[w->uses.items[u].edge].v[0], plane);
     if (sign != 0) return sign;
   }
@@ -165,8 +161,7 @@ static void take_loose_shells(work *w, uint32_t piece) {
   id_list *joined = &w->on_plane;
   joined->count = 0;
   for (size_t i = 0; i < w->cap_facets.count; i++)
-    for (uint32_t u = w->facets.items[w->cap_facets.items[i]].first_use; u != CELLIST_NONE;
-         u = w->uses.items[u].next_in_facet)
+    for (EACH_USE(w, u, w->cap_facets.items[i]))
       for (uint32_t v = w->edges.items[w->uses.items[u].edge].first_use; v != CELLIST_NONE;
            v = w->uses.items[v].next_in_edge) {
         const uint32_t shell = w->facets.items[w->uses.items[v].facet].shell;
@@ -185,7 +180,7 @@ static void take_loose_shells(work *w, uint32_t piece) {
 }
 
 void pieces_part(work *w, uint32_t piece, uint32_t plane) {
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  const uint32_t cell = piece_cell(w, piece);
   w->epoch++;
   w->components.count = 0;
   w->nodes.count = 0;

@@ -88,8 +88,7 @@ void sectors_gather(work *w, uint32_t edge, uint32_t cell) {
       const uint32_t other = w->facets.items[events[i].facet].cells[side];
       if (other < w->mesh->tet_count) tet = w->mesh->tet_origin[other];
     }
-  cellist_fail(w->context, CELLIST_ERROR_GEOMETRY, "the surface around cell %u does not bound a volume", tet);
-  work_fail(w, CELLIST_ERROR_GEOMETRY);
+  work_stop(w, CELLIST_ERROR_GEOMETRY, "the surface around cell %u does not bound a volume", tet);
 }
 
 work_event sector_mate(work *w, uint32_t use, int side) {
@@ -118,7 +117,7 @@ uint32_t sector_reflex_cell(work *w, uint32_t edge) {
   for (uint32_t u = w->edges.items[edge].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_edge) {
     for (int side = 0; side < 2; side++) {
       const uint32_t cell = w->facets.items[w->uses.items[u].facet].cells[side];
-      if (cell == CELLIST_NONE || cell < w->mesh->tet_count) continue;
+      if (!is_piece(w, cell)) continue;
       const work_event own = event_of(w, u, side);
       if (own.closing) continue;
       const work_event mate = sector_mate(w, u, side);
@@ -132,14 +131,14 @@ void edge_own(work *w, uint32_t edge, uint32_t cell) {
   work_edge *e = &w->edges.items[edge];
   if (e->reflex_cell == cell) return;
   if (e->reflex_cell != CELLIST_NONE) {
-    work_piece *piece = &w->pieces.items[e->reflex_cell - w->mesh->tet_count];
+    work_piece *piece = piece_of(w, e->reflex_cell);
     (e->is_flat ? &piece->flat : &piece->reflex)->live--;
     w->reflex_count -= !e->is_flat;
   }
   e->reflex_cell = cell;
   if (cell == CELLIST_NONE) return;
   e->is_flat = flat_edge(w, edge, cell);
-  work_piece *piece = &w->pieces.items[cell - w->mesh->tet_count];
+  work_piece *piece = piece_of(w, cell);
   set_push(w, e->is_flat ? &piece->flat : &piece->reflex, edge);
   w->reflex_count += !e->is_flat;
 }

@@ -19,7 +19,7 @@ static const double BOX_BOUND = 64 * 0x1p-53;
 /* Rounded coordinates are below this: the work's unit is at least a quarter of the extent, a box stands out by less. */
 static const double COORDINATE_LIMIT = 8;
 
-static work_set *set_of(work *w, uint32_t piece, set_kind kind) {
+work_set *set_of(work *w, uint32_t piece, set_kind kind) {
   work_piece *p = &w->pieces.items[piece];
   return kind == SET_MEMBERS ? &p->members : kind == SET_REFLEX ? &p->reflex : &p->flat;
 }
@@ -41,6 +41,13 @@ void set_release(work *w, work_set *set) {
   *set = (work_set){0};
 }
 
+void set_list(work *w, uint32_t piece, set_kind kind, id_list *out) {
+  const id_list *items = &set_of(w, piece, kind)->items;
+  out->count = 0;
+  for (size_t i = 0; i < items->count; i++)
+    if (set_holds(w, piece_cell(w, piece), kind, items->items[i])) list_push(w, out, items->items[i]);
+}
+
 static void grow_box(const work *w, double *box, uint32_t edge) {
   for (int end = 0; end < 2; end++) {
     const double *p = w->vertices.items[w->edges.items[edge].v[end]].p;
@@ -60,8 +67,7 @@ static void box_of(const work *w, set_kind kind, uint32_t item, double *box) {
     grow_box(w, box, item);
     return;
   }
-  for (uint32_t u = w->facets.items[item / 2].first_use; u != CELLIST_NONE; u = w->uses.items[u].next_in_facet)
-    grow_box(w, box, w->uses.items[u].edge);
+  for (EACH_USE(w, u, item / 2)) grow_box(w, box, w->uses.items[u].edge);
 }
 
 /* A tree over the items from begin to the end. */
@@ -93,7 +99,7 @@ static void build_segment(work *w, work_set *set, set_kind kind, size_t begin) {
 
 void set_arrange(work *w, uint32_t piece, set_kind kind) {
   work_set *set = set_of(w, piece, kind);
-  const uint32_t cell = (uint32_t)(w->mesh->tet_count + piece);
+  const uint32_t cell = piece_cell(w, piece);
   size_t begin = 0;
   for (size_t i = 0; i < set->segments.count; i++) begin += set->segments.items[i].count;
   if (set->items.count > 2 * set->live + STALE) {

@@ -171,7 +171,8 @@ typedef struct work {
   double progress;       /* reported so far, in per cent */
   size_t reflex_count;   /* edges at which some piece is reflex and does not count as flat */
 
-  /* exact.c: lengths are integers times 2^base, and doubles times 2^-shift, both from the origin. */
+  /* exact.c: lengths are integers times 2^base, and doubles times 2^-shift, both from the origin. 2^shift is the first
+   * power of two above half of the extent. */
   int base, shift;
   double origin[3];
   LIST(uint64_t) limbs;
@@ -210,7 +211,7 @@ typedef struct work {
   id_list hits;
   double_list box_scratch, node_scratch;
   hull_sides sides;
-  void *block_scratch;    /* one temporary block, freed with the work if a failure leaves it behind */
+  void *block_scratch;    /* work_block */
   uint32_t *side_scratch; /* per boundary face: its hull side */
 
   struct delaunay *delaunay;
@@ -220,6 +221,8 @@ typedef struct work {
 
 /* Leaves to the owner of the work with this result; the context has the message. */
 _Noreturn void work_fail(work *w, cellist_result result);
+/* The same with a message, as for printf. */
+#define work_stop(w, result, ...) (cellist_fail((w)->context, result, __VA_ARGS__), work_fail(w, result))
 
 /* Reports a stage (below) as done to this fraction; leaves with CANCELLED if the caller wants no more. */
 enum { PROGRESS_BOUNDARY = 0, PROGRESS_CUT = 15, PROGRESS_MERGE = 80, PROGRESS_FINISH = 90, PROGRESS_END = 100 };
@@ -227,10 +230,47 @@ void work_progress(work *w, int from, int to, double fraction);
 
 /* Room for count items; the new ones are undefined. */
 void work_reserve(work *w, void *list, size_t count, size_t size);
+/* The one temporary block, which a failure frees with the work; and its end. */
+void *work_block(work *w, size_t count, size_t size);
+void work_block_end(work *w);
 #define list_push(w, list, ...)                                                                                     \
   (((list)->count == (list)->capacity ? work_reserve(w, list, (list)->count + 1, sizeof *(list)->items) : (void)0), \
    (list)->items[(list)->count++] = (__VA_ARGS__))
 void work_release(work *w);
+
+/* The uses u of a facet, for(...). */
+#define EACH_USE(w, u, facet)                      \
+  uint32_t u = (w)->facets.items[facet].first_use; \
+  u != CELLIST_NONE;                               \
+  u = (w)->uses.items[u].next_in_facet
+
+/* Pieces are cells behind the tets. */
+static inline uint32_t piece_cell(const work *w, size_t piece) { return (uint32_t)(w->mesh->tet_count + piece); }
+static inline bool is_piece(const work *w, uint32_t cell) { return cell != CELLIST_NONE && cell >= w->mesh->tet_count; }
+static inline work_piece *piece_of(work *w, uint32_t cell) { return &w->pieces.items[cell - w->mesh->tet_count]; }
+
+static inline uint64_t work_mix(uint64_t h) {
+  h ^= h >> 31;
+  h *= 0x9e3779b97f4a7c15u;
+  return h ^ h >> 29;
+}
+
+/* Sorts three ids; whether that took an odd number of swaps. */
+static inline bool work_sort3(uint32_t v[3]) {
+  bool odd = false;
+  for (int pass = 0; pass < 3; pass++) {
+    const int i = pass % 2;
+    if (v[i] <= v[i + 1]) continue;
+    const uint32_t swap = v[i];
+    v[i] = v[i + 1];
+    v[i + 1] = swap;
+    odd = !odd;
+  }
+  return odd;
+}
+
+/* For qsort: by the first three ids that are there. */
+int work_compare3(const void *a, const void *b);
 
 /* ---- exact.c ------------------------------------------------------------------------------------- */
 
@@ -267,7 +307,14 @@ int exact_turn(work *w, int axis, uint32_t a, uint32_t b, uint32_t q);
 int exact_sheared_turn(work *w, const int shear[2], uint32_t a, uint32_t b, uint32_t q);
 int exact_sheared_compare(work *w, const int shear[2], uint32_t a, uint32_t q);
 int exact_plane_along(work *w, const int shear[2], uint32_t plane);
+/* The coordinates of a vertex: as given if it is a point, else rounded. */
 void exact_position(const work *w, uint32_t vertex, double position[3]);
+/* Of a vertex that is a point. */
+const double *exact_point(const work *w, uint32_t vertex);
+
+/* Forward error of n.x + d on rounded coefficients, as a part of the sum of the terms' magnitudes: a coefficient is off
+ * by 2 U, a vertex by 5 U (two conversions, one division), each term by 1 more, the sums by 3: 11. */
+#define SIDE_BOUND (16 * 0x1p-53)
 
 /* Offsets that convexify itself chooses (boxes, grids) are multiples of the extent's power of two less these bits. */
 enum { ADDED_BITS = 12 };
@@ -291,6 +338,8 @@ uint32_t work_point_edge(work *w, uint32_t a, uint32_t b, bool *forward);
 uint32_t work_add_edge(work *w, uint32_t a, uint32_t b, uint32_t line_a, uint32_t line_b, bool line_is_points);
 uint32_t work_add_facet(work *w, uint32_t plane, uint32_t front, uint32_t back);
 void work_add_use(work *w, uint32_t facet, uint32_t edge, bool forward);
+/* Both for an edge between points, from a to b. */
+void work_use_points(work *w, uint32_t facet, uint32_t a, uint32_t b);
 uint32_t work_add_piece(work *w);
 
 /* ---- delaunay.c: the exterior as TetGen's tets, checked; false: none that holds, nothing changed ---------------- */
@@ -330,9 +379,12 @@ bool flat_enough(work *w, const uint32_t *members, size_t count);
 
 typedef enum set_kind { SET_MEMBERS, SET_REFLEX, SET_FLAT } set_kind;
 
+work_set *set_of(work *w, uint32_t piece, set_kind kind);
 void set_push(work *w, work_set *set, uint32_t item);
 /* Whether the item still belongs to the piece with this cell. */
 bool set_holds(const work *w, uint32_t cell, set_kind kind, uint32_t item);
+/* out: what the set holds. */
+void set_list(work *w, uint32_t piece, set_kind kind, id_list *out);
 /* Keeps set_near fast; to be called now and then. */
 void set_arrange(work *w, uint32_t piece, set_kind kind);
 /* out: all items with points within margin of the plane, and some more; some may have left the set. Bit 0 (2) of what
@@ -348,6 +400,8 @@ bool piece_cut(work *w, uint32_t piece, uint32_t plane);
 void caps_make(work *w, uint32_t plane, uint32_t cell);
 /* Links w->cap_uses, which lie in the plane, into w->cap_loops, and finds the loop around each hole. */
 void regions_find(work *w, uint32_t plane);
+/* A further facet without edges, between the same cells in the same plane. */
+uint32_t facet_beside(work *w, uint32_t facet);
 /* Makes a facet of each connected region of this one; the new ones join w->touched. */
 void facet_part(work *w, uint32_t facet);
 /* Parts the piece along w->cap_facets. */
