@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
+#include "clock.h"
 #include "command.h"
 #include "mesh_options.h"
 #include "movie.h"
@@ -137,9 +138,9 @@ int command_convexify(int argc, char **argv) {
   cellist_mesh *mesh = NULL;
   struct made made = {0};
   cellist_result result = cellist_pipeline_load(context, argv[1], &read_desc, &mesh);
-  const double begin = terminal_seconds();
+  const double begin = clock_seconds();
   if (result == CELLIST_SUCCESS) result = make(context, mesh, &desc, strcmp(exterior, "auto") == 0, output, &made);
-  const double seconds = terminal_seconds() - begin;
+  const double seconds = clock_seconds() - begin;
   size_t pictures = 0;
   if (result == CELLIST_SUCCESS && movie != NULL) result = movie_write(context, mesh, made.complex, movie, &pictures);
   int status = 0;

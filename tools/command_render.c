@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "budget.h"
+#include "clock.h"
 #include "command.h"
 #include "mesh_options.h"
 #include "optics_options.h"
@@ -232,7 +233,7 @@ int command_render(int argc, char **argv) {
   if (wrong == NULL) wrong = view_options_resolve(&camera, unit_bounds, &view);
   if (wrong != NULL) return wrong_usage("render", "%s", wrong);
 
-  const double begin = terminal_seconds();
+  const double begin = clock_seconds();
   cellist_context *context = terminal_context(options.threads);
   if (context == NULL) return 1;
   const unsigned count = options.turntable > 0 ? options.turntable : options.frames;
@@ -262,7 +263,7 @@ int command_render(int argc, char **argv) {
                                            .stats = stats,
                                            .sort = terminal_median(tally.sort, tally.count),
                                            .draw = terminal_median(tally.draw, tally.count),
-                                           .total = terminal_seconds() - begin,
+                                           .total = clock_seconds() - begin,
                                            .full = options.explain ? &full : NULL,
                                            .choice = choice.name != NULL ? &choice : NULL};
     status = options.json ? render_report_json(&outcome) : render_report_text(&outcome);

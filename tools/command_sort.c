@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clock.h"
 #include "command.h"
 #include "mesh_options.h"
 #include "order_options.h"
@@ -100,9 +101,9 @@ static cellist_result sort_view(struct run *run, const cellist_viewpoint *viewpo
   cellist_sort_stats stats = {0};
   cellist_result result = CELLIST_SUCCESS;
   for (unsigned i = 0; i < run->options->repeat && result == CELLIST_SUCCESS; i++) {
-    const double begin = terminal_seconds();
+    const double begin = clock_seconds();
     result = cellist_sorter_sort(run->sorter, viewpoint, run->order, &stats);
-    run->scores[0].seconds[run->scores[0].count++] = terminal_seconds() - begin;
+    run->scores[0].seconds[run->scores[0].count++] = clock_seconds() - begin;
   }
   if (result != CELLIST_SUCCESS) return result;
   struct totals *totals = &run->totals;
@@ -127,9 +128,9 @@ static cellist_result sort_peers(struct run *run, const cellist_viewpoint *viewp
     struct score *score = &run->scores[p + 1];
     cellist_result result = CELLIST_SUCCESS;
     for (unsigned i = 0; i < run->options->repeat && result == CELLIST_SUCCESS; i++) {
-      const double begin = terminal_seconds();
+      const double begin = clock_seconds();
       result = cellist_peer_sort(run->peers[p], viewpoint, run->order);
-      score->seconds[score->count++] = terminal_seconds() - begin;
+      score->seconds[score->count++] = clock_seconds() - begin;
     }
     if (result == CELLIST_SUCCESS) result = check(run, viewpoint, NULL, 0, view, score);
     if (result != CELLIST_SUCCESS) return result;

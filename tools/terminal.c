@@ -7,20 +7,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
+
+#include "clock.h"
 
 enum { BAR_WIDTH = 30 };
 static const double REDRAW_SECONDS = 0.1;
 
 static bool progress_is_shown;
 static double last_drawn;
-
-double terminal_seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static int compare_doubles(const void *a, const void *b) {
   const double x = *(const double *)a, y = *(const double *)b;
@@ -40,7 +35,7 @@ void terminal_clear_progress(void) {
 
 static bool show_progress(void *user, const char *stage, double fraction) {
   (void)user;
-  const double now = terminal_seconds();
+  const double now = clock_seconds();
   if (fraction >= 1) {
     terminal_clear_progress();
     return true;
@@ -66,7 +61,7 @@ cellist_context *terminal_context(unsigned threads) {
   if (threads > 0) desc.worker_count = threads;
   desc.log = show_message;
   if (isatty(STDERR_FILENO)) desc.progress = show_progress;
-  last_drawn = terminal_seconds(); /* nothing is shown for what takes no time */
+  last_drawn = clock_seconds(); /* nothing is shown for what takes no time */
   cellist_context *context = NULL;
   const cellist_result result = cellist_context_create(&desc, &context);
   if (result != CELLIST_SUCCESS) fprintf(stderr, "cellist: %s\n", cellist_result_string(result));

@@ -32,7 +32,4 @@ int terminal_finish(void);
 /* The median of count values, which it sorts; 0 of none. */
 double terminal_median(double *values, size_t count);
 
-/* Monotonic seconds. */
-double terminal_seconds(void);
-
 #endif

@@ -8,12 +8,12 @@
  * something else there. What is left is a failure, and the command that repeats it is printed. */
 #include <cellist/sort.h>
 #include <cellist/sort_verify.h>
+#include <clock.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "soak_scene.h"
 
@@ -30,12 +30,6 @@ static const double SHIFT = 1e-4;
 enum { SHIFTS = 8, RAYS = 60, ORDER_EVERY = 4, REASON = 512, PROGRESS_EVERY = 1000 };
 
 static const char *const CHANNELS[] = {"R", "G", "B", "A"};
-
-static double now(void) {
-  struct timespec time;
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
 
 struct totals {
   uint64_t scenes, failures, refused, pairs, pixels, shifted_pixels;
@@ -248,9 +242,9 @@ int main(int argc, char **argv) {
       default: fprintf(stderr, "usage: soak [--minutes M | --scenes N] [--seed S] [--first I]\n"); return 2;
     }
   if (isinf(minutes) && scenes == UINT64_MAX) scenes = 10000;
-  const double begin = now();
+  const double begin = clock_seconds();
   struct totals totals = {0};
-  while (totals.scenes < scenes && now() - begin < 60 * minutes) {
+  while (totals.scenes < scenes && clock_seconds() - begin < 60 * minutes) {
     const uint64_t index = first + totals.scenes++;
     soak_scene scene;
     char reason[REASON] = "";
@@ -262,8 +256,8 @@ int main(int argc, char **argv) {
       soak_scene_print(&scene);
       fflush(stdout);
     }
-    if (totals.scenes % PROGRESS_EVERY == 0) print_progress(&totals, now() - begin);
+    if (totals.scenes % PROGRESS_EVERY == 0) print_progress(&totals, clock_seconds() - begin);
   }
-  print_progress(&totals, now() - begin);
+  print_progress(&totals, clock_seconds() - begin);
   return totals.failures > 0;
 }

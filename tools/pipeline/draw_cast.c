@@ -13,7 +13,7 @@ cellist_result pipeline_draw_cast(cellist_pipeline *pipeline, const cellist_fram
       .precision = pipeline->desc.precision, .optics = pipeline->desc.optics.model, .surface = pipeline->surface};
   const cellist_raycast_output output = {.image = image};
   cellist_raycast_stats cast;
-  const double begin = pipeline_seconds();
+  const double begin = clock_seconds();
   cellist_result result = cellist_raycaster_render(pipeline->caster, frame, &pipeline->transfer, &desc, &output, &cast);
   if (result == CELLIST_ERROR_UNSUPPORTED && desc.precision == CELLIST_PRECISION_FAST) {
     cellist_context_take_error(pipeline->context);
@@ -21,7 +21,7 @@ cellist_result pipeline_draw_cast(cellist_pipeline *pipeline, const cellist_fram
     result = cellist_raycaster_render(pipeline->caster, frame, &pipeline->transfer, &desc, &output, &cast);
   }
   if (result != CELLIST_SUCCESS) return result;
-  stats->draw_seconds = pipeline_seconds() - begin;
+  stats->draw_seconds = clock_seconds() - begin;
   stats->renderer = "cast";
   stats->method = "exact";
   stats->precision = desc.precision == CELLIST_PRECISION_FAST ? "fast" : "reference";

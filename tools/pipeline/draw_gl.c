@@ -57,12 +57,12 @@ cellist_result pipeline_draw_gl(cellist_pipeline *pipeline, const cellist_frame 
                                         .group_count = group_count,
                                         .method = fan ? CELLIST_GL_FAN : CELLIST_GL_FACES};
   cellist_gl_stats drawn;
-  const double begin = pipeline_seconds();
+  const double begin = clock_seconds();
   result = cellist_gl_render(pipeline->gl, frame, &pipeline->transfer, pipeline->order, pipeline->order_count,
                              &settings, image, &drawn);
   cellist_deallocate(pipeline->context, groups);
   if (result != CELLIST_SUCCESS) return result;
-  stats->draw_seconds = pipeline_seconds() - begin;
+  stats->draw_seconds = clock_seconds() - begin;
   stats->renderer = fan ? "fan" : "faces";
   stats->method = pipeline_name_method(pipeline);
   stats->precision = "fast";

@@ -23,11 +23,11 @@ cellist_result pipeline_draw_soft(cellist_pipeline *pipeline, const cellist_fram
                                           .groups = groups,
                                           .group_count = pipeline->group_count};
   cellist_soft_stats drawn;
-  const double begin = pipeline_seconds();
+  const double begin = clock_seconds();
   result = cellist_soft_render(pipeline->soft, frame, &pipeline->transfer, &settings, image, &drawn);
   cellist_deallocate(pipeline->context, groups);
   if (result != CELLIST_SUCCESS) return result;
-  stats->draw_seconds = pipeline_seconds() - begin;
+  stats->draw_seconds = clock_seconds() - begin;
   stats->renderer = "soft";
   stats->method = "exact";
   stats->precision = "fast";

@@ -380,7 +380,7 @@ cellist_result cellist_order_create(cellist_context *context, const cellist_mesh
     cellist_order_destroy(plain);
     return result;
   }
-  const double begin = pipeline_seconds();
+  const double begin = clock_seconds();
   if (plain->facts.convex || desc->exterior == CELLIST_ORDER_NONE) {
     snprintf(plain->facts.reason, sizeof plain->facts.reason, "%s",
              plain->facts.convex ? "the mesh is convex" : "asked for");
@@ -411,7 +411,7 @@ cellist_result cellist_order_create(cellist_context *context, const cellist_mesh
     if (result != CELLIST_SUCCESS) cellist_order_destroy(made);
   }
   if (result != CELLIST_SUCCESS) return result;
-  made->facts.seconds = pipeline_seconds() - begin;
+  made->facts.seconds = clock_seconds() - begin;
   *order = made;
   return CELLIST_SUCCESS;
 }

@@ -101,10 +101,10 @@ cellist_result pipeline_sort(cellist_pipeline *pipeline, const cellist_frame *fr
   if (pipeline->sorter != NULL && !pipeline->desc.no_plan && cellist_sorter_is_current(pipeline->sorter, &viewpoint)) {
     pipeline_leave_out(stats, "sort (same eye)", "the order depends on the eye's place alone");
   } else {
-    const double begin = pipeline_seconds();
+    const double begin = clock_seconds();
     const cellist_result result = sort_anew(pipeline, &viewpoint);
     if (result != CELLIST_SUCCESS) return result;
-    stats->sort_seconds = pipeline_seconds() - begin;
+    stats->sort_seconds = clock_seconds() - begin;
   }
   stats->order = pipeline->sort_stats.exact ? "exact" : "approximate";
   stats->group_count = pipeline->sort_stats.group_count;

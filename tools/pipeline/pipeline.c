@@ -5,15 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "pipeline.h"
-
-double pipeline_seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 double pipeline_diagonal(const cellist_pipeline *pipeline) {
   const double *b = cellist_mesh_get_arrays(pipeline->mesh)->bounds;
@@ -73,7 +66,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   created->context = context;
   created->desc = *desc;
-  const double begin = pipeline_seconds();
+  const double begin = clock_seconds();
   created->mesh = desc->mesh;
   cellist_result result = CELLIST_SUCCESS;
   if (desc->mesh == NULL) {
@@ -82,9 +75,9 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   }
   if (result == CELLIST_SUCCESS)
     result = cellist_scalar_select(context, created->mesh, desc->optics.scalar, &created->scalar);
-  created->load_seconds = pipeline_seconds() - begin;
+  created->load_seconds = clock_seconds() - begin;
   if (result == CELLIST_SUCCESS) warn_of_flaws(created, desc->source != NULL ? desc->source : "mesh");
-  const double loaded = pipeline_seconds();
+  const double loaded = clock_seconds();
   if (result == CELLIST_SUCCESS) result = pipeline_load_transfer(created);
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
   if (result == CELLIST_SUCCESS) result = pipeline_make_surface(created);
@@ -94,7 +87,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   }
   if (result == CELLIST_SUCCESS) warn_of_method(created);
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
-  created->prepare_seconds = pipeline_seconds() - loaded;
+  created->prepare_seconds = clock_seconds() - loaded;
   if (created->sorted != NULL) created->prepare_seconds -= cellist_order_get_facts(created->sorted)->seconds;
   if (result == CELLIST_SUCCESS)
     *pipeline = created;

@@ -9,6 +9,8 @@
 #include <cellist/sort.h>
 #include <cellist/sort_peers.h>
 
+#include "../clock.h"
+
 #ifdef CELLIST_HAS_GL
 #include <cellist/gl.h>
 #endif
@@ -47,9 +49,6 @@ struct cellist_pipeline {
   cellist_gl *gl;
 #endif
 };
-
-/* Seconds of a monotonic clock: for statistics, never for a choice. */
-double pipeline_seconds(void);
 
 /* The length of the bounds' diagonal. */
 double pipeline_diagonal(const cellist_pipeline *pipeline);

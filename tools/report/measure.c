@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../clock.h"
 #include "../terminal.h"
 #include "report.h"
 
@@ -77,12 +78,12 @@ static cellist_result draw_frames(const struct measurement *m, cellist_pipeline 
   double *sort = calloc(options->frames, sizeof *sort), *draw = calloc(options->frames, sizeof *draw);
   cellist_pipeline_stats stats = {0};
   cellist_result result = sort != NULL && draw != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
-  const double begin = terminal_seconds();
+  const double begin = clock_seconds();
   size_t count = 0;
   /* The first of several frames compiles shaders and fills caches: it counts only if time runs out. */
   const unsigned total = options->frames > 1 ? options->frames + 1 : 1;
   for (unsigned i = 0; i < total && result == CELLIST_SUCCESS; i++) {
-    if (i > 0 && terminal_seconds() - begin > PATIENCE) break;
+    if (i > 0 && clock_seconds() - begin > PATIENCE) break;
     if (i == 1) count = 0;
     cellist_image_destroy(*image);
     *image = NULL;

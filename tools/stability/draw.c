@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clock.h"
+#include "../clock.h"
 #include "stability.h"
 
 /* The reference's picture in doubles. */
@@ -21,7 +21,7 @@ static cellist_result draw_reference(cellist_context *context, const stability_s
   cellist_raycaster *caster = NULL;
   cellist_frame frame;
   const size_t count = (size_t)scene->width * scene->height;
-  const double begin = stability_seconds();
+  const double begin = clock_seconds();
   cellist_result result = cellist_frame_from_view(context, &scene->view, scene->width, scene->height, &frame);
   if (result == CELLIST_SUCCESS) result = cellist_scalar_select(context, scene->mesh, NULL, &scalar);
   if (result == CELLIST_SUCCESS) result = cellist_raycaster_create(context, scene->mesh, &scalar, NULL, &caster);
@@ -35,7 +35,7 @@ static cellist_result draw_reference(cellist_context *context, const stability_s
     result = cellist_raycaster_render(caster, &frame, &scene->transfer, &desc, &output, &reference->stats);
   cellist_raycaster_destroy(caster);
   cellist_scalar_release(context, &scalar);
-  reference->seconds = stability_seconds() - begin;
+  reference->seconds = clock_seconds() - begin;
   for (size_t i = 0; result == CELLIST_SUCCESS && i < 4 * count; i++)
     reference->peak = fmax(reference->peak, fabs(reference->rgba[i]));
   return result;
@@ -153,9 +153,9 @@ cellist_result stability_draw(cellist_context *context, const stability_case *wh
   found->peak = reference.peak;
   if (result == CELLIST_SUCCESS) {
     cellist_image *image = NULL;
-    const double begin = stability_seconds();
+    const double begin = clock_seconds();
     const cellist_result drawn = draw_picture(context, scene, renderer, &image);
-    found->seconds = stability_seconds() - begin;
+    found->seconds = clock_seconds() - begin;
     if (drawn == CELLIST_SUCCESS) {
       judge(which, scene, &reference, image, renderer, found);
     } else {

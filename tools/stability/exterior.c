@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clock.h"
+#include "../clock.h"
 #include "stability.h"
 
 #ifdef CELLIST_HAS_CONVEXIFY
@@ -30,9 +30,9 @@ cellist_result stability_convexify(cellist_context *context, const stability_sce
   const cellist_convexify_desc desc = {.exterior = (cellist_exterior)exterior, .seed = 1};
   cellist_convexify_stats stats = {0};
   cellist_complex *complex = NULL;
-  const double begin = stability_seconds();
+  const double begin = clock_seconds();
   const cellist_result result = cellist_convexify(context, scene->mesh, &desc, &complex, &stats);
-  found->seconds = stability_seconds() - begin;
+  found->seconds = clock_seconds() - begin;
   found->imaginary_cells = stats.imaginary_cells;
   found->volume_error = stats.volume_error;
   found->verdict = STABILITY_FAILS;

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "clock.h"
+#include "../clock.h"
 #include "stability.h"
 
 enum { RAYS = 400, SEED = 5 };
@@ -59,10 +59,10 @@ cellist_result stability_sort(cellist_context *context, const stability_case *wh
   cellist_certificate certificate = {0};
   cellist_verification verification = {0};
   uint32_t *order = cellist_allocate(context, arrays->tet_count, sizeof *order);
-  const double begin = stability_seconds();
+  const double begin = clock_seconds();
   cellist_result result = order != NULL ? cellist_sorter_create(context, &desc, &sorter) : CELLIST_ERROR_OUT_OF_MEMORY;
   if (result == CELLIST_SUCCESS) result = cellist_sorter_sort(sorter, &viewpoint, order, &stats);
-  found->seconds = stability_seconds() - begin;
+  found->seconds = clock_seconds() - begin;
   found->groups = stats.group_count;
   found->largest_group = stats.largest_group;
   const cellist_group *groups = NULL;
