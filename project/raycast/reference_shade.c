@@ -183,6 +183,9 @@ static void shade_volume(shade_gathering *gathering, const walk_segment *segment
   gathering->pixel.alpha = -expm1(-depth);
 }
 
+/* NaN, of an infinity that was multiplied by 0, counts as infinity. */
+static double at_most(double error, double limit) { return error <= limit ? error : limit; }
+
 shade_pixel shade_segments(const shade_scene *scene, const walk_segment *segments, size_t count, double length_per_t) {
   shade_gathering gathering = {
       .scene = scene, .length_per_t = length_per_t, .transmittance = 1, .pixel = {.z = HUGE_VAL, .transmittance = 1}};
@@ -195,8 +198,11 @@ shade_pixel shade_segments(const shade_scene *scene, const walk_segment *segment
     shade_volume(&gathering, segments, count);
   shade_pixel *pixel = &gathering.pixel;
   for (int k = 0; k < 3; k++) pixel->colour[k] = reference_sum_value(&gathering.colour[k]);
-  const double alpha_error = fmin(1, pixel->transmittance * gathering.depth_error + 4 * 0x1p-53);
-  const double colour_error = model == CELLIST_MODEL_ABSORPTION ? 0 : gathering.colour_error;
+  const double alpha_error = at_most(pixel->transmittance * gathering.depth_error + 4 * 0x1p-53, 0.5);
+  /* Mixtures of the transfer function's colours differ by no more than twice the largest; what nothing absorbs has no
+   * such limit. */
+  const double mixed = model == CELLIST_MODEL_EMISSION ? HUGE_VAL : scene->largest_colour;
+  const double colour_error = model == CELLIST_MODEL_ABSORPTION ? 0 : at_most(gathering.colour_error, mixed);
   pixel->error = count > 0 ? 2 * fmax(alpha_error, colour_error) : 0;
   if (scene->optics.light.enabled && model != CELLIST_MODEL_ABSORPTION && model != CELLIST_MODEL_MAXIMUM && count > 0)
     pixel->error = HUGE_VAL;

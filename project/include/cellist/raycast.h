@@ -61,8 +61,10 @@ typedef struct cellist_raycast_output {
 
 /* What a render did and found. */
 typedef struct cellist_raycast_stats {
-  double error_bound;      /* of `reference`: no value of R G B A is further from the exact one for the mesh's doubles;
-                              infinity where no bound is known (lit volumes and surfaces; `fast`) */
+  double error_bound;      /* of `reference`: no value of R G B A is further from the exact one for the mesh's doubles.
+                              Where light is absorbed at most 1 or twice the largest colour, whichever is larger;
+                              infinity where no bound is known: lit volumes and surfaces, emission whose bound leaves
+                              the range of doubles, `fast` */
   uint64_t ray_count;      /* rays that met the mesh */
   uint64_t entry_count;    /* boundary faces through which they came in */
   uint64_t step_count;     /* cells that they passed */
