@@ -28,7 +28,7 @@ static void fill_rows(void *user, size_t begin, size_t end, unsigned worker) {
       double origin[3], direction[3], seen[2];
       cellist_frame_ray(frame, (double)x + 0.5, (double)y + 0.5, origin, direction);
       cellist_frame_interval(frame, origin, direction, seen);
-      if (job->layer->depth != NULL) seen[1] = fmin(seen[1], job->layer->depth[y * frame->width + x]);
+      if (job->layer->depth != NULL) seen[1] = fmin(seen[1], surface_layer_limit(job->layer, y * frame->width + x));
       float *pixel = job->pixels[(frame->height - 1 - y) * frame->width + x];
       if (frame->parallel) {
         pixel[0] = bounded(seen[0]);

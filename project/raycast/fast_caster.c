@@ -229,7 +229,8 @@ static void set_limits(const struct frame_job *job, fast_tile *tile) {
       cellist_frame_ray(job->frame, tile->left + x + 0.5, tile->top + y + 0.5, origin, direction);
       cellist_frame_interval(job->frame, origin, direction, limits);
       if (job->layer != NULL)
-        limits[1] = fmin(limits[1], job->layer->depth[(size_t)(tile->top + y) * scene->width + tile->left + x]);
+        limits[1] =
+            fmin(limits[1], surface_layer_limit(job->layer, (size_t)(tile->top + y) * scene->width + tile->left + x));
       tile->near[at] = (float)((limits[0] - scene->depth_offset) / scene->unit);
       tile->far[at] = (float)((limits[1] - scene->depth_offset) / scene->unit);
     }

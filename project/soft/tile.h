@@ -435,7 +435,7 @@ static void set_limits(const soft_scene *scene, soft_worker *worker, uint32_t le
       cellist_frame_ray(scene->frame, left + x + 0.5, top + y + 0.5, origin, direction);
       cellist_frame_interval(scene->frame, origin, direction, limits);
       if (scene->layer.depth != NULL)
-        limits[1] = fmin(limits[1], scene->layer.depth[(size_t)(top + y) * scene->width + left + x]);
+        limits[1] = fmin(limits[1], surface_layer_limit(&scene->layer, (size_t)(top + y) * scene->width + left + x));
       const size_t at = (size_t)y * SOFT_TILE + x;
       const bool sees = limits[0] < limits[1];
       if (scene->parallel) {

@@ -101,12 +101,24 @@ static void cast_rows(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
+/* Of depths: a few roundings of single precision. Smaller: slivers of cells show through surfaces that are their own
+ * faces, all of their colour where a ray takes its largest scalar; larger: what stands just before a surface is cut. */
+static const double MARGIN = 4e-7;
+
+static double margin_of(const surface_layer *layer) {
+  if (!layer->parallel) return MARGIN;
+  double most = 0;
+  for (size_t i = 0; i < (size_t)layer->width * layer->height; i++)
+    if (layer->depth[i] < HUGE_VAL) most = fmax(most, fabs(layer->depth[i]));
+  return MARGIN * most;
+}
+
 cellist_result surface_layer_make(cellist_context *context, const cellist_surface *surface, const cellist_frame *frame,
                                   const cellist_light *light, surface_layer *layer) {
   *layer = (surface_layer){0};
   if (surface == NULL) return CELLIST_SUCCESS;
   const size_t count = (size_t)frame->width * frame->height;
-  surface_layer made = {.width = frame->width, .height = frame->height};
+  surface_layer made = {.width = frame->width, .height = frame->height, .parallel = frame->parallel};
   made.depth = cellist_allocate(context, count, sizeof *made.depth);
   made.colours = cellist_allocate(context, count, 3 * sizeof *made.colours);
   if (made.depth == NULL || made.colours == NULL) {
@@ -115,6 +127,7 @@ cellist_result surface_layer_make(cellist_context *context, const cellist_surfac
   }
   struct job job = {surface, frame, surface_light_of(light, frame), &made};
   cellist_parallel_for(context, frame->height, ROW_GRAIN, cast_rows, &job);
+  made.margin = margin_of(&made);
   *layer = made;
   return CELLIST_SUCCESS;
 }

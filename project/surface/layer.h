@@ -21,6 +21,8 @@ typedef struct surface_layer {
   uint32_t width, height;
   double *depth;  /* [width height] along frame->forward, infinity where nothing is seen; row 0 is the top */
   float *colours; /* [3 width height] linear, lit */
+  double margin;  /* see surface_layer_limit: a share of the depth; in parallel views a length */
+  bool parallel;
 } surface_layer;
 
 /* Casts one ray a pixel within what the frame's near and clip planes leave of it. surface NULL: a layer of {0}.
@@ -32,6 +34,12 @@ CELLIST_API void surface_layer_release(cellist_context *context, surface_layer *
 
 /* A number that differs for surfaces that differ (but for one pair in 2^64 or so). */
 CELLIST_API uint64_t surface_checksum(const cellist_surface *surface);
+
+/* Where a pixel's ray ends: nearer than the surface by more than renderers in single precision may be wrong, so that of
+ * a mesh whose own boundary is shown nothing stands before it. */
+static inline double surface_layer_limit(const surface_layer *layer, size_t at) {
+  return layer->parallel ? layer->depth[at] - layer->margin : layer->depth[at] * (1 - layer->margin);
+}
 
 /* Puts the layer's pixel `at` behind what a pixel has gathered (premultiplied). Nothing
  * changes where the layer shows nothing. */

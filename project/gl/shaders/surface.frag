@@ -15,6 +15,8 @@ flat in int triangle;
 layout(location = 0) out vec4 result; // colour, depth
 layout(location = 1) out vec4 seen;   // the ray's limits, the surface being the far one
 
+const float MARGIN = 4.0e-7;
+
 void main() {
   int id[3];
   vec3 corner[3];
@@ -62,5 +64,11 @@ void main() {
   colour *= shares.x + shares.y * abs(dot(normal, towards));
   if (shares.z != 0.0) colour += shares.z * pow(abs(dot(normal, halfway)), shares.w);
   result = vec4(colour, depth);
+  // Rays end a few roundings before the surface: see surface_layer_limit.
+#ifdef PARALLEL
+  place -= MARGIN * (abs(depth) + unit);
+#else
+  place *= 1.0 + MARGIN;
+#endif
   seen = vec4(between.x, place, 0.0, 0.0);
 }
