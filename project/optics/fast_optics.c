@@ -112,6 +112,15 @@ cellist_result fast_transfer_create(cellist_context *context, const cellist_tran
   return CELLIST_SUCCESS;
 }
 
+double fast_transfer_peak(const cellist_transfer *transfer, double minimum, double maximum) {
+  double colour[3], peak = fmax(cellist_transfer_evaluate(transfer, minimum, colour),
+                                cellist_transfer_evaluate(transfer, maximum, colour));
+  for (size_t i = 0; i < transfer->knot_count; i++)
+    if (transfer->knots[i].value >= minimum && transfer->knots[i].value <= maximum)
+      peak = fmax(peak, transfer->knots[i].extinction);
+  return peak;
+}
+
 void fast_transfer_release(cellist_context *context, fast_transfer *transfer) {
   cellist_deallocate(context, transfer->intervals);
   *transfer = (fast_transfer){0};

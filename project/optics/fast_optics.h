@@ -73,16 +73,24 @@ CELLIST_API cellist_result fast_transfer_create(cellist_context *context, const 
                                                 fast_transfer *made);
 CELLIST_API void fast_transfer_release(cellist_context *context, fast_transfer *transfer);
 
-/* A scalar as the table takes it; NaN for one that is not finite. */
-static inline float fast_scalar(const fast_transfer *transfer, double scalar) {
+/* The largest extinction of scalars from minimum to maximum. */
+CELLIST_API double fast_transfer_peak(const cellist_transfer *transfer, double minimum, double maximum);
+
+/* A scalar as the table takes it, with all its digits; NaN for one that is not finite. */
+static inline double fast_scalar_exact(const fast_transfer *transfer, double scalar) {
   if (!isfinite(scalar)) return NAN;
-  return (float)((0.5 * scalar - 0.5 * transfer->scalar_low) / transfer->scalar_half_range);
+  return (0.5 * scalar - 0.5 * transfer->scalar_low) / transfer->scalar_half_range;
 }
 
-/* What a ray has gathered so far, front to back: premultiplied colour, and what is left of the light behind. */
+static inline float fast_scalar(const fast_transfer *transfer, double scalar) {
+  return (float)fast_scalar_exact(transfer, scalar);
+}
+
+/* What a ray has gathered so far, front to back: premultiplied colour, what is left of the light behind, and 1 - that
+ * with its own digits, however thin the medium. */
 typedef struct fast_light {
   float colour[3];
-  float transmittance;
+  float transmittance, alpha;
 } fast_light;
 
 /* Which interval holds s; at a step of the transfer function the one below it. */
@@ -119,6 +127,7 @@ static inline void fast_add_piece(const fast_interval *interval, float from, flo
   const float at = to + q * (from - to) - interval->low;
   for (int k = 0; k < 3; k++) light->colour[k] += share * (interval->colour[k] + interval->colour_slope[k] * at);
   light->transmittance -= share;
+  light->alpha += share;
 }
 
 /* Adds a piece within one interval; length is in length units. */

@@ -12,7 +12,7 @@
 /* What eight rays have gathered. */
 typedef struct fast_light8 {
   __m256 colour[3];
-  __m256 transmittance;
+  __m256 transmittance, alpha;
 } fast_light8;
 
 /* The interval in which each lane's scalar is, kept from segment to segment: most end in the interval where they
@@ -57,6 +57,7 @@ static inline void fast_add_piece8(const fast_interval8 *in, __m256 from, __m256
     light->colour[k] =
         _mm256_fmadd_ps(share, _mm256_fmadd_ps(in->colour_slope[k], at, in->colour[k]), light->colour[k]);
   light->transmittance = _mm256_sub_ps(light->transmittance, share);
+  light->alpha = _mm256_add_ps(light->alpha, share);
 }
 
 /* Extinction at a scalar of the interval, times length. */

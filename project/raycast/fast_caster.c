@@ -193,6 +193,8 @@ static cellist_result set_up_scene(fast_caster *caster, const cellist_frame *fra
   scene->sheared = scene->perspective && !scene->reciprocal;
   if (frame->parallel) scene->depth_offset = 0.5 * depth[0] + 0.5 * depth[1];
   if (scene->reciprocal) scene->depth_offset = depth[1];
+  scene->is_dense =
+      fast_transfer_peak(transfer, caster->scalar->minimum, caster->scalar->maximum) * scene->unit > (double)FAST_DENSE;
   scene->farthest = (float)(depth[1] / scene->unit);
   scene->clips = frame->near_distance > depth[0] || frame->clip_count > 0 || desc->layer != NULL;
   const cellist_result result = set_up_rays(caster, frame, scene);

@@ -23,23 +23,6 @@ static void put_layer_behind(const surface_layer *layer, size_t at, shade_pixel 
   pixel->z_back = layer->depth[at];
 }
 
-/* Gaps between knots below this share of the scalar's range count as too narrow for single precision, where something
- * absorbs beside them: rounding of 6e-8 of the range moves a peak's flanks by that much. Smaller: peaks are off by more
- * than a thousandth; larger: more transfer functions are left to `reference`, which is slower. */
-static const double NARROW = 6e-5;
-
-static bool is_narrow(const cellist_transfer *transfer, const cellist_scalar *scalar) {
-  const double range = scalar->maximum - scalar->minimum;
-  for (size_t i = 1; i < transfer->knot_count; i++) {
-    const cellist_transfer_knot *below = &transfer->knots[i - 1], *above = &transfer->knots[i];
-    const double gap = above->value - below->value;
-    if (gap > 0 && gap < NARROW * range && (below->extinction > 0 || above->extinction > 0) &&
-        above->value >= scalar->minimum && below->value <= scalar->maximum)
-      return true;
-  }
-  return false;
-}
-
 static void store_tile(void *user, const fast_scene *scene, const fast_tile *tile) {
   const struct picture *picture = user;
   for (uint32_t y = 0; y < tile->height; y++)
@@ -51,7 +34,7 @@ static void store_tile(void *user, const fast_scene *scene, const fast_tile *til
         const fast_pixel *pixel = &tile->pixels[at];
         for (int k = 0; k < 3; k++) stored.colour[k] = pixel->light.colour[k];
         stored.transmittance = fmax(pixel->light.transmittance, 0);
-        stored.alpha = 1 - stored.transmittance;
+        stored.alpha = fmin(pixel->light.alpha, 1);
         if (pixel->z_back >= pixel->z) {
           stored.z = scene->unit * pixel->z + scene->depth_offset;
           stored.z_back = scene->unit * pixel->z_back + scene->depth_offset;
@@ -101,7 +84,7 @@ cellist_result raycaster_render_fast(cellist_raycaster *caster, const cellist_fr
   if (optics->light.enabled)
     return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
                         "precision fast draws without light; take precision reference");
-  if (is_narrow(transfer, caster->scalar))
+  if (cellist_transfer_is_narrow(transfer, caster->scalar->minimum, caster->scalar->maximum))
     return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
                         "peaks of the transfer function are too narrow for precision fast; take precision reference");
   if ((uint64_t)frame->width * frame->height > UINT32_MAX)

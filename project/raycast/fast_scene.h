@@ -33,6 +33,7 @@ typedef struct fast_scene {
   float farthest;            /* f */
   bool clips;                /* something may lie outside of what is seen of a ray: tiles hold limits */
   bool wants_depth;          /* fill z and z_back */
+  bool is_dense;             /* some extinction is above FAST_DENSE: watch for segments that it makes doubtful */
   bool perspective;
   double unit, depth_offset;  /* world depth = unit * z + depth_offset */
   uint32_t width, height;     /* of the image */
@@ -117,6 +118,28 @@ static inline bool fast_is_edge_on(const fast_point p[3], const float w[3]) {
   float reach = 0;
   for (int k = 0; k < 3; k++) reach = fmaxf(reach, p[k].x * p[k].x + p[k].y * p[k].y);
   return w[0] + w[1] + w[2] < FAST_EDGE_ON * reach;
+}
+
+/* In media as dense as this (per unit), rounding of depths shows: they are kept to some 2.5e-7 of a unit, so optical
+ * depths to 5e-4. Larger: greater errors; smaller: more rays cast twice. */
+#define FAST_DENSE 2e3f
+/* Segments as short as a few of these roundings may be nothing else. */
+#define FAST_SHORT 1e-6f
+/* Light that passes a segment, as a share, below which its end is not seen; and of all light, below which errors are
+ * not. */
+#define FAST_UNSEEN 3e-4f
+#define FAST_FAINT 1e-3f
+
+/* Whether a segment shows the rounding of depths. dense: it has extinctions above FAST_DENSE at an end; crosses: it
+ * passes a knot. A long segment of which only the front is seen does not: scalars at a face are right, wherever it is.
+ */
+static inline bool fast_is_doubtful(float extent, bool dense, bool crosses, float before, float after) {
+  return before > FAST_FAINT &&
+         ((extent < FAST_SHORT && (dense || crosses)) || (dense && after > FAST_UNSEEN * before));
+}
+
+static inline float fast_extinction(const fast_interval *interval, float s) {
+  return interval->extinction + interval->extinction_slope * (s - interval->low);
 }
 
 /* Length of a ray per unit of depth. */

@@ -88,6 +88,7 @@ static bool enter(const fast_scene *scene, const fast_tile *tile, struct group *
     put(&group->stretch, mask, fast_ray_stretch(scene, rx, ry));
     for (int k = 0; k < 3; k++) put(&group->light.colour[k], mask, 0);
     put(&group->light.transmittance, mask, 1);
+    put(&group->light.alpha, mask, 0);
     put(&group->first_z, mask, INFINITY);
     put(&group->last_z, mask, -INFINITY);
     if (scene->clips) {
@@ -144,6 +145,7 @@ static void finish(struct queue *queue, struct group *group, int lane) {
   fast_pixel *pixel = &queue->tile->pixels[group->pixel[lane]];
   for (int k = 0; k < 3; k++) pixel->light.colour[k] = lane_of(group->light.colour[k], lane);
   pixel->light.transmittance = lane_of(group->light.transmittance, lane);
+  pixel->light.alpha = lane_of(group->light.alpha, lane);
   pixel->z = lane_of(group->first_z, lane);
   pixel->z_back = lane_of(group->last_z, lane);
   pixel->cell_count = lane_id_of(group->cell_count, lane);
@@ -274,9 +276,30 @@ static inline void next_cells(const fast_scene *scene, fast_layout layout, struc
   group->apex = _mm256_and_si256(apex, rest);
 }
 
-/* The light of the cell between (z, s) and where the ray leaves it; lanes: those to be drawn. */
-static inline void add_cells(const fast_scene *scene, struct group *group, __m256 lanes, __m256 s, __m256 next_z,
-                             __m256 next_s) {
+/* Extinction at scalars of the lanes' intervals. */
+static inline __m256 extinctions(const fast_interval8 *in, __m256 s) {
+  return _mm256_fmadd_ps(in->extinction_slope, _mm256_sub_ps(s, in->low), in->extinction);
+}
+
+/* fast_is_doubtful for eight lanes. extinction: at the segments' front ends; index: their intervals there. */
+static inline __m256 find_doubtful(const struct group *group, __m256 extent, __m256 extinction, __m256i index,
+                                   __m256 next_s, __m256 before) {
+  const fast_interval8 *in = &group->interval;
+  const __m256 most = _mm256_max_ps(extinction, extinctions(in, next_s));
+  const __m256 dense = _mm256_cmp_ps(most, _mm256_set1_ps(FAST_DENSE), _CMP_GT_OQ);
+  const __m256 same = _mm256_castsi256_ps(_mm256_cmpeq_epi32(index, in->index));
+  const __m256 is_short = _mm256_cmp_ps(extent, _mm256_set1_ps(FAST_SHORT), _CMP_LT_OQ);
+  const __m256 unseen = _mm256_mul_ps(_mm256_set1_ps(FAST_UNSEEN), before);
+  const __m256 seen = _mm256_cmp_ps(group->light.transmittance, unseen, _CMP_GT_OQ);
+  const __m256 is_bad =
+      _mm256_or_ps(_mm256_and_ps(dense, _mm256_or_ps(is_short, seen)), _mm256_andnot_ps(same, is_short));
+  return _mm256_and_ps(is_bad, _mm256_cmp_ps(before, _mm256_set1_ps(FAST_FAINT), _CMP_GT_OQ));
+}
+
+/* The light of the cell between (z, s) and where the ray leaves it; lanes: those to be drawn. Returns those among them
+ * that show the rounding of depths. */
+static inline __m256 add_cells(const fast_scene *scene, struct group *group, __m256 lanes, __m256 s, __m256 next_z,
+                               __m256 next_s) {
   __m256 z = group->z;
   fast_interval8 *in = &group->interval;
   __m256i counted = _mm256_castps_si256(group->active);
@@ -299,21 +322,28 @@ static inline void add_cells(const fast_scene *scene, struct group *group, __m25
   }
   group->cell_count = _mm256_sub_epi32(group->cell_count, counted);
   const __m256 is_deep = _mm256_cmp_ps(next_z, z, _CMP_GT_OQ), flat = _mm256_andnot_ps(is_deep, lanes);
+  __m256 watched = lanes;
   lanes = _mm256_and_ps(lanes, is_deep);
   if (scene->clips || scene->has_nan || scene->cell_scalars != NULL) {
-    lanes = _mm256_and_ps(lanes, _mm256_cmp_ps(s, next_s, _CMP_ORD_Q));
-    s = _mm256_and_ps(s, lanes);
-    next_s = _mm256_and_ps(next_s, lanes);
+    const __m256 ordered = _mm256_cmp_ps(s, next_s, _CMP_ORD_Q);
+    watched = _mm256_and_ps(watched, ordered);
+    lanes = _mm256_and_ps(lanes, ordered);
+    s = _mm256_and_ps(s, watched);
+    next_s = _mm256_and_ps(next_s, watched);
     const __m256 outside = _mm256_or_ps(_mm256_cmp_ps(s, in->low, _CMP_LT_OQ), _mm256_cmp_ps(s, in->high, _CMP_GT_OQ));
     if (fast_any(_mm256_and_ps(outside, lanes)))
       fast_seek_intervals8(&scene->transfer, s, _mm256_and_ps(outside, lanes), in);
   }
-  const __m256 length = _mm256_mul_ps(_mm256_sub_ps(next_z, z), group->stretch);
+  const __m256 depth = _mm256_sub_ps(next_z, z), length = _mm256_mul_ps(depth, group->stretch);
+  const __m256 none = _mm256_setzero_ps(), before = group->light.transmittance;
+  const __m256 extinction = scene->is_dense ? extinctions(in, s) : none;
+  const __m256i index = in->index;
   /* A cell without depth adds nothing, but the next one begins at its far scalar, whose interval must be at hand. */
   if (fast_any(flat)) fast_seek_intervals8(&scene->transfer, next_s, flat, in);
   if (!scene->wants_depth) {
     fast_add_segment8(&scene->transfer, in, s, next_s, length, lanes, &group->light, &group->piece_count, NULL);
-    return;
+    return scene->is_dense ? _mm256_and_ps(watched, find_doubtful(group, depth, extinction, index, next_s, before))
+                           : none;
   }
   __m256 seen[2] = {_mm256_set1_ps(2), _mm256_set1_ps(-1)};
   fast_add_segment8(&scene->transfer, in, s, next_s, length, lanes, &group->light, &group->piece_count, seen);
@@ -322,6 +352,8 @@ static inline void add_cells(const fast_scene *scene, struct group *group, __m25
   const __m256 begin = _mm256_fmadd_ps(seen[0], extent, z), end = _mm256_fmadd_ps(seen[1], extent, z);
   group->first_z = fast_select(gained, _mm256_min_ps(group->first_z, begin), group->first_z);
   group->last_z = fast_select(gained, _mm256_max_ps(group->last_z, end), group->last_z);
+  return scene->is_dense ? _mm256_and_ps(watched, find_doubtful(group, depth, extinction, index, next_s, before))
+                         : none;
 }
 
 /* Where the rays pass the faces through which they leave: fast_cross, and fast_is_edge_on as a mask. */
@@ -388,16 +420,18 @@ static inline int step(const fast_scene *scene, fast_layout layout, struct group
     const __m256i is_bad = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bad), bits), bits);
     usable = _mm256_andnot_ps(_mm256_castsi256_ps(is_bad), usable);
   }
+  __m256 doubtful;
   if (scene->cell_scalars != NULL) {
     uint32_t cells[LANES];
     float scalars[LANES];
     _mm256_storeu_si256((__m256i *)cells, cell);
     for (int i = 0; i < LANES; i++) scalars[i] = scene->cell_scalars[cells[i]];
     const __m256 s = _mm256_loadu_ps(scalars);
-    add_cells(scene, group, usable, s, next_z, s);
+    doubtful = add_cells(scene, group, usable, s, next_z, s);
   } else {
-    add_cells(scene, group, usable, group->s, next_z, next_s);
+    doubtful = add_cells(scene, group, usable, group->s, next_z, next_s);
   }
+  bad |= _mm256_movemask_ps(doubtful);
   group->z = next_z;
   group->s = next_s;
 

@@ -12,12 +12,23 @@ struct ray {
   float near, far;       /* what is seen of it */
 };
 
-static void add_cell(struct ray *ray, float z, float s, float next_z, float next_s) {
+/* Whether it matters that the depths between which a segment lies are rounded. */
+static inline bool is_doubtful(const struct ray *ray, float extent, float s, float next_s, float before) {
+  const fast_transfer *transfer = &ray->scene->transfer;
+  const uint32_t first = fast_find_interval(transfer, s), last = fast_find_interval(transfer, next_s);
+  const float extinction =
+      fmaxf(fast_extinction(&transfer->intervals[first], s), fast_extinction(&transfer->intervals[last], next_s));
+  return fast_is_doubtful(extent, extinction > FAST_DENSE, first != last, before, ray->pixel->light.transmittance);
+}
+
+/* Returns false if the segment shows the rounding of depths. */
+static bool add_cell(struct ray *ray, float z, float s, float next_z, float next_s) {
   const fast_scene *scene = ray->scene;
   fast_pixel *pixel = ray->pixel;
-  if (!(next_z > ray->near && z < ray->far)) return;
+  if (!(next_z > ray->near && z < ray->far)) return true;
   pixel->cell_count++;
-  if (isnan(s) || isnan(next_s) || !(next_z > z)) return;
+  if (isnan(s) || isnan(next_s)) return true;
+  if (!(next_z > z)) return !(scene->is_dense && is_doubtful(ray, 0, s, next_s, pixel->light.transmittance));
   const float extent = next_z - z, rise = next_s - s, enters = z, entry_s = s;
   if (z < ray->near) {
     s = entry_s + (ray->near - enters) / extent * rise;
@@ -38,9 +49,10 @@ static void add_cell(struct ray *ray, float z, float s, float next_z, float next
     pixel->z = fminf(pixel->z, z + seen[0] * (next_z - z));
     pixel->z_back = fmaxf(pixel->z_back, z + seen[1] * (next_z - z));
   }
+  return !(scene->is_dense && is_doubtful(ray, next_z - z, s, next_s, before));
 }
 
-/* Returns false if the ray got lost, or met a face within its plane. */
+/* Returns false if the ray got lost, met a face within its plane, or needs depths to more digits. */
 static inline bool walk_chain(struct ray *ray, fast_stand *stand, fast_layout layout, uint64_t *step_count) {
   const fast_scene *scene = ray->scene;
   float z = stand->now.z, s = stand->now.s;
@@ -64,10 +76,10 @@ static inline bool walk_chain(struct ray *ray, fast_stand *stand, fast_layout la
     if (fast_is_edge_on(stand->p, stand->w)) return false;
     const fast_crossing next = fast_cross(scene, stand->p, stand->w);
     const float next_z = fmaxf(next.z, z);
-    if (scene->cell_scalars != NULL)
-      add_cell(ray, z, scene->cell_scalars[cell], next_z, scene->cell_scalars[cell]);
-    else
-      add_cell(ray, z, unusable ? NAN : s, next_z, next.s);
+    const float cell_s = scene->cell_scalars != NULL ? scene->cell_scalars[cell] : 0;
+    const bool usable = scene->cell_scalars != NULL ? add_cell(ray, z, cell_s, next_z, cell_s)
+                                                    : add_cell(ray, z, unusable ? NAN : s, next_z, next.s);
+    if (!usable) return false;
     z = next_z;
     s = next.s;
     ray->reached = z;

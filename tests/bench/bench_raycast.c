@@ -201,7 +201,7 @@ static void walk_entries(void *user, const fast_scene *fast, const fast_tile *ti
       o[k] = (float)origin[k];
       d[k] = (float)direction[k];
     }
-    fast_light light_float = {{0}, 1};
+    fast_light light_float = {{0}, 1, 0};
     for (uint32_t e = tile->first[at]; e != CELLIST_NONE; e = tile->entries[e].next) {
       const double z = fast->unit * tile->entries[e].z;
       if (base->is_double)

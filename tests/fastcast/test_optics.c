@@ -76,7 +76,7 @@ TEST(rays_of_many_segments_agree_with_quadrature)
     const cellist_transfer transfer = random_transfer(&random, knots, 1 + random_below(&random, 12));
     fast_transfer table;
     assert_success(context, fast_transfer_create(context, &transfer, 0, 1, 1, true, &table));
-    fast_light light = {{0}, 1};
+    fast_light light = {{0}, 1, 0};
     real exact[4] = {0, 0, 0, 1};
     float at = (float)random_unit(&random);
     uint32_t interval = fast_find_interval(&table, at), pieces = 0;
@@ -120,7 +120,7 @@ TEST(stiff_and_odd_transfer_functions_stay_finite)
         const double from = low * (1 - w[0]) + high * w[0], to = low * (1 - w[1]) + high * w[1];
         const float a = fast_scalar(&table, from), b = fast_scalar(&table, to);
         assert_true(a >= 0 && a <= 1 && b >= 0 && b <= 1);
-        fast_light light = {{0}, 1};
+        fast_light light = {{0}, 1, 0};
         uint32_t pieces = 0;
         fast_add_segment(&table, fast_find_interval(&table, a), a, b, 1, &light, &pieces, NULL);
         for (int k = 0; k < 3; k++) assert_true(light.colour[k] >= 0 && light.colour[k] <= 1.00001f);
@@ -142,7 +142,7 @@ TEST(knots_far_outside_the_scalars_are_extended_or_interpolated)
     const cellist_transfer transfer = {2, knots};
     fast_transfer table;
     assert_success(context, fast_transfer_create(context, &transfer, 0, 1, 1, true, &table));
-    fast_light light = {{0}, 1};
+    fast_light light = {{0}, 1, 0};
     uint32_t pieces = 0;
     fast_add_segment(&table, fast_find_interval(&table, 0.5f), 0.5f, 0.5f, 1, &light, &pieces, NULL);
     assert_true(fabs(-log(light.transmittance) - cases[i].expected) < 1e-5);

@@ -65,6 +65,14 @@ CELLIST_API const char *cellist_transfer_name(size_t index);
 /* Extinction and colour at one scalar value, as the knots say. colour: 3 doubles, filled. Threads: any. */
 CELLIST_API double cellist_transfer_evaluate(const cellist_transfer *transfer, double value, double colour[3]);
 
+/* Whether some gap between knots is too narrow for scalars in single precision, below 6e-5 of the range from minimum to
+ * maximum, where something absorbs beside it: renderers that keep scalars in single precision draw it wrong. Threads:
+ * any. Cost: linear. */
+CELLIST_API bool cellist_transfer_is_narrow(const cellist_transfer *transfer, double minimum, double maximum);
+
+/* The same of the one gap from `below` to the knot after it. */
+CELLIST_API bool cellist_transfer_is_narrow_gap(const cellist_transfer_knot *below, double minimum, double maximum);
+
 /* ParaView's default unit distance: the bounds' diagonal / cube root of the number of cells in the user's file. */
 CELLIST_API double cellist_unit_distance_auto(const double bounds[6], size_t file_cell_count);
 
