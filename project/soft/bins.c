@@ -42,9 +42,8 @@ static void place_points(void *user, size_t begin, size_t end, unsigned worker) 
     const double *const axis[3] = {frame->right, frame->up, frame->forward};
     double seen[3];
     for (int k = 0; k < 3; k++) seen[k] = axis[k][0] * offset[0] + axis[k][1] * offset[1] + axis[k][2] * offset[2];
-    *v = (soft_vertex){
-        seen[0], seen[1], seen[2],
-        job->input->point_scalars != NULL ? fast_scalar(scene->transfer, job->input->point_scalars[i]) : 0};
+    *v = (soft_vertex){seen[0], seen[1], seen[2],
+                       job->input->point_scalars != NULL ? soft_scalar(scene, job->input->point_scalars[i]) : 0};
     soft_place *place = &job->bins->places[i];
     if (!scene->parallel && !(v->z > 0)) {
       through_eye = true;

@@ -22,13 +22,14 @@ bool soft_fragments_reserve(cellist_context *context, soft_fragments *fragments,
   const size_t needed = fragments->count + count + 8; /* vectors are stored whole */
   if (needed <= fragments->capacity) return true;
   const size_t old = fragments->capacity, capacity = needed > 2 * old ? needed : 2 * old;
-  const bool ok =
-      grow(context, &fragments->near_end, old, capacity, sizeof *fragments->near_end) &&
-      grow(context, &fragments->far_end, old, capacity, sizeof *fragments->far_end) &&
-      grow(context, &fragments->where, old, capacity, sizeof *fragments->where) &&
-      grow(context, &fragments->cell, old, capacity, sizeof *fragments->cell) &&
-      grow(context, &fragments->records, old, capacity, sizeof *fragments->records) &&
-      (!fragments->has_gradients || grow(context, &fragments->gradients, old, capacity, sizeof *fragments->gradients));
+  const bool ok = grow(context, &fragments->near_end, old, capacity, sizeof *fragments->near_end) &&
+                  grow(context, &fragments->far_end, old, capacity, sizeof *fragments->far_end) &&
+                  grow(context, &fragments->where, old, capacity, sizeof *fragments->where) &&
+                  grow(context, &fragments->cell, old, capacity, sizeof *fragments->cell) &&
+                  grow(context, &fragments->records, old, capacity, sizeof *fragments->records) &&
+                  (!fragments->has_gradients ||
+                   grow(context, &fragments->gradients, old, capacity, sizeof *fragments->gradients)) &&
+                  (!fragments->is_sharp || grow(context, &fragments->ends, old, capacity, sizeof *fragments->ends));
   if (ok) fragments->capacity = capacity;
   return ok;
 }
@@ -40,6 +41,7 @@ void soft_fragments_release(cellist_context *context, soft_fragments *fragments)
   cellist_deallocate(context, fragments->cell);
   cellist_deallocate(context, fragments->records);
   cellist_deallocate(context, fragments->gradients);
+  cellist_deallocate(context, fragments->ends);
   *fragments = (soft_fragments){0};
 }
 
@@ -85,6 +87,7 @@ bool soft_sort_fragments(const soft_scene *scene, soft_worker *worker) {
   }
   memcpy(to->records, from->records, from->record_count * sizeof *to->records);
   if (from->has_gradients) memcpy(to->gradients, from->gradients, from->record_count * sizeof *to->gradients);
+  if (from->is_sharp) memcpy(to->ends, from->ends, from->record_count * sizeof *to->ends);
   to->count = count;
   to->record_count = from->record_count;
   const soft_fragments swapped = *from;

@@ -22,11 +22,14 @@ static inline int attribute_count(const soft_scene *scene) {
   return scene->model.gradients == SOFT_NO_LIGHT ? 0 : scene->model.gradients == SOFT_CELL_GRADIENTS ? 2 : 8;
 }
 
-/* Adds eight pieces to what their pixels have gathered. rows: colour and minus the opacity of each. */
-static inline void blend_rows(soft_worker *worker, float rows[8][4], const int32_t *pixel, int count) {
+/* Adds eight pieces to what their pixels have gathered. rows: colour and minus the opacity of each; in thin scenes the
+ * opacity itself. */
+static inline void blend_rows(const soft_scene *scene, soft_worker *worker, float rows[8][4], const int32_t *pixel,
+                              int count) {
   for (int i = 0; i < count; i++) {
     float *to = worker->pixels[pixel[i]];
-    f4_store(to, f4_add_scaled(f4_load(to), f4_load(rows[i]), to[3]));
+    const float seen = scene->is_thin ? 1 - to[3] : to[3];
+    f4_store(to, f4_add_scaled(f4_load(to), f4_load(rows[i]), seen));
   }
 }
 
@@ -67,10 +70,10 @@ static inline void shade_eight(const soft_scene *scene, soft_worker *worker, siz
   fast_gain8 gain = is_emission ? fast_emission8_of(&band, from, to, length)
                                 : fast_gain8_of(scene->transfer, &band, from, to, length);
   if (scene->model.gradients != SOFT_NO_LIGHT) light_eight(scene, pieces, first, &gain);
-  const f8 alpha = is_emission ? f8_all(0) : f8_sub(f8_all(0), gain.alpha);
+  const f8 alpha = is_emission ? f8_all(0) : scene->is_thin ? gain.alpha : f8_sub(f8_all(0), gain.alpha);
   float rows[8][4];
   f8_to_rows(gain.colour[0], gain.colour[1], gain.colour[2], alpha, rows);
-  blend_rows(worker, rows, pieces->pixel + first, count);
+  blend_rows(scene, worker, rows, pieces->pixel + first, count);
   if (scene->wants_depth) blend_depths(worker, pieces, first, gain.alpha, count);
 }
 
@@ -100,16 +103,16 @@ static void shade_pieces(const soft_scene *scene, soft_worker *worker, bool all)
   }
 }
 
-/* Appends a piece for each lane of the mask: between two shares, begin and end, of its segment. */
+/* Appends a piece for each lane of the mask: between two shares, begin and end, of its segment; length: its share. */
 static inline void append_pieces(const soft_scene *scene, soft_worker *worker, const segment8 *segment, f8 from, f8 to,
-                                 f8 begin, f8 end, i8 interval, unsigned lanes) {
+                                 f8 length, f8 begin, f8 end, i8 interval, unsigned lanes) {
   soft_pieces *pieces = worker->pieces;
   if (pieces->count + 8 > SOFT_PIECES) shade_pieces(scene, worker, false);
   const size_t at = pieces->count;
   const i8 packing = lanes_packing(lanes);
   f8_store_packed(pieces->from + at, from, packing);
   f8_store_packed(pieces->to + at, to, packing);
-  f8_store_packed(pieces->length + at, f8_mul(segment->length, f8_sub(end, begin)), packing);
+  f8_store_packed(pieces->length + at, f8_mul(segment->length, length), packing);
   i8_store_packed(pieces->interval + at, interval, packing);
   i8_store_packed(pieces->pixel + at, segment->pixel, packing);
   if (scene->wants_depth) {
@@ -145,7 +148,7 @@ static void cut_part(const soft_scene *scene, soft_worker *worker, const segment
     /* A share of the rise from the segment's own front: no errors add up. */
     const f8 share = f8_min(f8_max(f8_mul(f8_sub(stop, segment->from), inverse), begin), finish);
     const f8 end = f8_select(m8_or(above, below), share, finish);
-    append_pieces(scene, worker, segment, from, stop, begin, end, interval, lanes);
+    append_pieces(scene, worker, segment, from, stop, f8_sub(end, begin), begin, end, interval, lanes);
     if (beyond == 0) return;
     lanes = beyond;
     interval = i8_sub(i8_add(interval, m8_ones(above)), m8_ones(below));
@@ -159,6 +162,50 @@ static void cut_segments(const soft_scene *scene, soft_worker *worker, const seg
   const uint32_t count = scene->model.gradients == SOFT_POINT_GRADIENTS ? scene->model.samples : 1;
   for (uint32_t i = 0; i < count; i++)
     cut_part(scene, worker, segment, (float)i / (float)count, (float)(i + 1) / (float)count, lanes);
+}
+
+/* Cuts one segment, or a part of it, whose scalar goes from ends[0] to ends[1], in double precision: see sharp.h. */
+static void cut_sharp_part(const soft_scene *scene, soft_worker *worker, const segment8 *segment, const double ends[2],
+                           double first, double last, unsigned lane) {
+  const soft_sharp *sharp = &scene->sharp;
+  const double rise = ends[1] - ends[0], to = last < 1 ? ends[0] + last * rise : ends[1];
+  double from = ends[0] + first * rise, begin = first;
+  for (size_t k = soft_sharp_find(sharp, from);;) {
+    const double low = sharp->bounds[k], high = sharp->bounds[k + 1], width = high - low;
+    const double stop = to > high ? high : to < low ? low : to;
+    const double share = rise != 0 ? (stop - from) / rise : last - first;
+    const double end = stop == to ? last : (stop - ends[0]) / rise;
+    if (share > 0) {
+      const bool is_outer = !(width < HUGE_VAL); /* constant */
+      const float near = is_outer ? 0 : (float)((from - low) / width),
+                  far = is_outer ? 0 : (float)((stop - low) / width);
+      append_pieces(scene, worker, segment, f8_all(near), f8_all(far), f8_all((float)share), f8_all((float)begin),
+                    f8_all((float)end), i8_all((int32_t)(sharp->first + k)), lane);
+    }
+    if (stop == to) return;
+    k = to > high ? k + 1 : k - 1;
+    from = stop;
+    begin = end;
+  }
+}
+
+static void cut_sharp_segment(const soft_scene *scene, soft_worker *worker, const segment8 *segment,
+                              const double ends[2], unsigned lane) {
+  const uint32_t count = scene->model.gradients == SOFT_POINT_GRADIENTS ? scene->model.samples : 1;
+  for (uint32_t i = 0; i < count; i++)
+    cut_sharp_part(scene, worker, segment, ends, (double)i / count, (double)(i + 1) / count, lane);
+}
+
+/* Segments of which some may be sharp, one by one. ends: of each, NaN where it is not. */
+static void add_sharp_segments(const soft_scene *scene, soft_worker *worker, const segment8 *segment,
+                               const double *const ends[8], unsigned lanes) {
+  for (unsigned i = 0; i < 8; i++) {
+    if (!(lanes >> i & 1)) continue;
+    if (isnan(ends[i][0]))
+      cut_segments(scene, worker, segment, 1u << i);
+    else
+      cut_sharp_segment(scene, worker, segment, ends[i], 1u << i);
+  }
 }
 
 /* Whether two lanes are of the same pixel: then the pieces of one must not come between those of the other. */
@@ -181,7 +228,7 @@ static inline void add_segments(const soft_scene *scene, soft_worker *worker, co
       m8_or(f8_greater(low, f8_min(segment->from, segment->to)), f8_greater(f8_max(segment->from, segment->to), high));
   const bool in_parts = scene->model.gradients == SOFT_POINT_GRADIENTS && scene->model.samples > 1;
   if ((m8_bits(crosses) & lanes) == 0 && !in_parts) {
-    append_pieces(scene, worker, segment, segment->from, segment->to, f8_all(0), f8_all(1), interval, lanes);
+    append_pieces(scene, worker, segment, segment->from, segment->to, f8_all(1), f8_all(0), f8_all(1), interval, lanes);
   } else if (lanes != 255 || pixels_repeat(segment->pixel)) {
     for (unsigned i = 0; i < 8; i++)
       if (lanes >> i & 1) cut_segments(scene, worker, segment, 1u << i);

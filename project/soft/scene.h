@@ -9,8 +9,15 @@
 #include <optics/fast_optics.h>
 #include <surface/layer.h>
 
+#include "sharp.h"
+
 /* Pixels along a tile's side: its pixels stay in the first-level cache, and a pixel's place fits in ten bits. */
 enum { SOFT_TILE = 32, SOFT_TILE_PIXELS = SOFT_TILE * SOFT_TILE };
+
+/* Up to this optical depth along the mesh's diagonal, the longest ray, 1 - opacity has all the digits that
+ * transmittance would have. Larger: faint light behind would lose digits; smaller: A = 1 - transmittance of media as
+ * thin loses them. */
+#define SOFT_THIN 0.5
 
 /* A point seen from the eye: along right, up and forward; s is its scalar as the optics take it. */
 typedef struct soft_vertex {
@@ -65,10 +72,19 @@ typedef struct soft_scene {
   const cellist_soft_group *groups;
   size_t group_count;
   const fast_transfer *transfer;
+  soft_sharp sharp;
   soft_model model;
   float *colour[3], *alpha, *z, *z_back; /* the image's planes; NULL: not wanted */
   bool wants_depth;
+  bool is_thin; /* no ray is deeper than SOFT_THIN: pixels gather opacity in place of transmittance */
 } soft_scene;
+
+/* A scalar as the optics take it: to single precision, so that equal to a knot stays equal, unless the transfer
+ * function asks for more. */
+static inline double soft_scalar(const soft_scene *scene, double scalar) {
+  return scene->sharp.zone_count > 0 ? fast_scalar_exact(scene->transfer, scalar)
+                                     : fast_scalar(scene->transfer, scalar);
+}
 
 /* What a cell contributes to a pixel is worked out from these, relative to one of its faces; x and y are the pixel's
  * place in the cell's rectangle, `end` is measured from the face's plane:
@@ -95,6 +111,8 @@ typedef struct soft_fragments {
   soft_record *records;            /* [capacity] */
   bool has_gradients;              /* else the next is NULL */
   soft_gradient_record *gradients; /* [capacity] of records, where light takes gradients at points */
+  bool is_sharp;                   /* else the next is NULL */
+  double (*ends)[2]; /* [capacity] of records: the scalar where the ray enters and leaves, NaN in cells not sharp */
 } soft_fragments;
 
 /* Parts of segments within one interval of the transfer function, packed; the arrays hold SOFT_PIECES. */
@@ -114,7 +132,7 @@ typedef struct soft_worker {
   uint64_t *keys, *scratch_keys; /* [sort_capacity] */
   uint32_t *values, *scratch_values;
   size_t sort_capacity;
-  float (*pixels)[4]; /* [SOFT_TILE_PIXELS] colour gathered so far, and transmittance */
+  float (*pixels)[4]; /* [SOFT_TILE_PIXELS] colour gathered so far, and transmittance; in thin scenes opacity */
   float *z, *z_back;  /* [SOFT_TILE_PIXELS] */
   float (*last)[2];   /* [SOFT_TILE_PIXELS] scalar and depth where the ray left the cell before: for isosurfaces */
   /* [SOFT_TILE_PIXELS + 8] places (1/depth, in parallel views -depth) between which each ray is seen, far below near;

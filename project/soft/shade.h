@@ -15,6 +15,17 @@ static inline f8 scalar_at(const soft_scene *scene, f8 end, f8 t, f8 s, const f8
   return f8_min(f8_max(value, record[8]), record[9]);
 }
 
+/* A scalar within this share of the cell's range of its least or greatest one counts as that: where a whole region
+ * holds an isosurface's value, so does the face at its rim, and rounding must not put the face on either side. Smaller
+ * than rounding: holes there; larger: surfaces begin that much before they should. */
+#define SHADE_SNAP 3e-5f
+
+static inline f8 snap_scalar(f8 value, const f8 record[12]) {
+  const f8 low = record[8], high = record[9], margin = f8_mul(f8_all(SHADE_SNAP), f8_sub(high, low));
+  const f8 snapped = f8_select(f8_greater(margin, f8_sub(value, low)), low, value);
+  return f8_select(f8_greater(margin, f8_sub(high, value)), high, snapped);
+}
+
 /* Gradients at an end of eight fragments. */
 static inline void gradients_of(const soft_scene *scene, const soft_fragments *fragments, size_t first, f8 x, f8 y,
                                 f8 end, f8 t, f8 gradient[3]) {
@@ -66,6 +77,10 @@ static inline segment8 segments_of(const soft_scene *scene, const soft_fragments
   }
   made.from = scalar_at(scene, near_end, near_t, s, record);
   made.to = scalar_at(scene, far_end, far_t, s, record);
+  if (scene->model.model == CELLIST_MODEL_ISOSURFACES) {
+    made.from = snap_scalar(made.from, record);
+    made.to = snap_scalar(made.to, record);
+  }
   if (scene->model.gradients == SOFT_CELL_GRADIENTS) {
     made.light[0] = record[10];
     made.light[1] = record[11];
@@ -74,6 +89,16 @@ static inline segment8 segments_of(const soft_scene *scene, const soft_fragments
     gradients_of(scene, fragments, first, x, y, far_end, far_t, &made.light[3]);
   }
   return made;
+}
+
+/* Where the scalars of eight fragments are kept in double precision; false if none is. */
+static inline bool find_ends(const soft_fragments *fragments, size_t first, const double *ends[8]) {
+  bool is_sharp = false;
+  for (size_t i = 0; fragments->is_sharp && i < 8; i++) {
+    ends[i] = fragments->ends[fragments->cell[first + i]];
+    is_sharp = is_sharp || !isnan(ends[i][0]);
+  }
+  return is_sharp;
 }
 
 /* Shades what waits and empties the list. */
@@ -91,10 +116,14 @@ static void shade_fragments(const soft_scene *scene, soft_worker *worker, uint32
   for (size_t first = 0; first < count; first += 8) {
     const segment8 segment = segments_of(scene, fragments, first, left, top);
     const unsigned lanes = count - first < 8 ? (1u << (count - first)) - 1 : 255;
+    const double *ends[8];
+    const bool is_sharp = find_ends(fragments, first, ends);
     if (scene->model.model == CELLIST_MODEL_MAXIMUM)
-      add_maxima(worker, &segment, lanes);
+      add_maxima(worker, &segment, is_sharp ? ends : NULL, lanes);
     else if (scene->model.model == CELLIST_MODEL_ISOSURFACES)
       add_isosurfaces(scene, worker, &segment, lanes);
+    else if (is_sharp)
+      add_sharp_segments(scene, worker, &segment, ends, lanes);
     else
       add_segments(scene, worker, &segment, lanes);
   }

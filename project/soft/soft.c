@@ -200,14 +200,14 @@ static soft_scene scene_of(const cellist_soft *soft, const cellist_frame *frame,
 
 struct scaling {
   cellist_soft *soft;
-  const fast_transfer *transfer;
+  const soft_scene *scene;
 };
 
 static void scale_scalars(void *user, size_t begin, size_t end, unsigned worker) {
   (void)worker;
   const struct scaling *scaling = user;
   for (size_t i = begin; i < end; i++)
-    scaling->soft->scalars[i] = fast_scalar(scaling->transfer, scaling->soft->scalar->values[i]);
+    scaling->soft->scalars[i] = soft_scalar(scaling->scene, scaling->soft->scalar->values[i]);
 }
 
 struct tiles {
@@ -227,7 +227,7 @@ static cellist_result draw(cellist_soft *soft, const cellist_frame *frame, const
                            soft_scene *scene, cellist_soft_stats *stats) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(soft->mesh);
   if (scene->cell_scalars != NULL) {
-    struct scaling scaling = {soft, scene->transfer};
+    struct scaling scaling = {soft, scene};
     cellist_parallel_for(soft->context, soft->scalar->count, 16384, scale_scalars, &scaling);
   }
   const soft_bins_input input = {.context = soft->context,
@@ -280,12 +280,14 @@ static cellist_result make_model(cellist_soft *soft, const cellist_frame *frame,
   bool at_points = false;
   const cellist_result result = want_gradients(soft, &settings->optics, &at_points);
   if (result != CELLIST_SUCCESS) return result;
+  const bool is_sharp = scene->sharp.zone_count > 0;
   for (unsigned i = 0; i < soft->worker_count; i++) { /* lists with room for other records */
     soft_worker *worker = &soft->workers[i];
-    if (worker->fragments.has_gradients == at_points) continue;
+    if (worker->fragments.has_gradients == at_points && worker->fragments.is_sharp == is_sharp) continue;
     soft_fragments_release(soft->context, &worker->fragments);
     soft_fragments_release(soft->context, &worker->sorted);
     worker->fragments.has_gradients = worker->sorted.has_gradients = at_points;
+    worker->fragments.is_sharp = worker->sorted.is_sharp = is_sharp;
   }
   return soft_model_make(soft->context, &settings->optics, frame, transfer, scene->transfer, soft->unit,
                          at_points ? soft->point_gradients : NULL, cellist_mesh_get_arrays(soft->mesh)->point_count,
@@ -308,11 +310,18 @@ cellist_result cellist_soft_render(cellist_soft *soft, const cellist_frame *fram
   if (result != CELLIST_SUCCESS) return result;
   soft_scene scene = scene_of(soft, frame, settings, image);
   scene.transfer = &table;
+  const cellist_model model = settings->optics.model;
+  scene.is_thin = (model == CELLIST_MODEL_EMISSION_ABSORPTION || model == CELLIST_MODEL_ABSORPTION) &&
+                  fast_transfer_peak(transfer, soft->scalar->minimum, soft->scalar->maximum) * soft->unit <= SOFT_THIN;
   cellist_soft_stats found = {0};
-  result = surface_layer_make(context, settings->surface, frame, &settings->optics.light, &scene.layer);
+  result = soft_sharp_make(context, transfer, soft->scalar->minimum, soft->scalar->maximum, soft->unit,
+                           model != CELLIST_MODEL_ABSORPTION, &table, &scene.sharp);
+  if (result == CELLIST_SUCCESS)
+    result = surface_layer_make(context, settings->surface, frame, &settings->optics.light, &scene.layer);
   if (result == CELLIST_SUCCESS) result = make_model(soft, frame, transfer, settings, &scene);
   if (result == CELLIST_SUCCESS) result = draw(soft, frame, settings, &scene, &found);
   soft_model_release(context, &scene.model);
+  soft_sharp_release(context, &scene.sharp);
   surface_layer_release(context, &scene.layer);
   if (result == CELLIST_SUCCESS && stats != NULL) *stats = found;
   fast_transfer_release(context, &table);

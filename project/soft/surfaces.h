@@ -15,7 +15,10 @@
 #define SURFACES_SAME_SCALAR 1e-4f
 #define SURFACES_SAME_DEPTH 1e-4f
 
-static inline void add_maxima(soft_worker *worker, const segment8 *segment, unsigned lanes) {
+/* A pixel's largest scalar so far, as a sum of two floats: the second is 0 unless the transfer function asks for more
+ * digits. ends: see add_sharp_segments; NULL: none is sharp. */
+static inline void add_maxima(soft_worker *worker, const segment8 *segment, const double *const ends[8],
+                              unsigned lanes) {
   float end[2][8], depth[2][8];
   int32_t pixel[8];
   f8_store(end[0], segment->from);
@@ -26,8 +29,10 @@ static inline void add_maxima(soft_worker *worker, const segment8 *segment, unsi
   for (int i = 0; i < 8 && lanes >> i != 0; i++)
     for (int k = 0; k < 2; k++) {
       float *largest = worker->pixels[pixel[i]];
-      if (!(end[k][i] > *largest)) continue;
-      *largest = end[k][i];
+      const double value = ends != NULL && !isnan(ends[i][0]) ? ends[i][k] : (double)end[k][i];
+      if (!(value > (double)largest[0] + (double)largest[1])) continue;
+      largest[0] = (float)value;
+      largest[1] = (float)(value - (double)largest[0]);
       worker->z[pixel[i]] = worker->z_back[pixel[i]] = depth[k][i];
     }
 }

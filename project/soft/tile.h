@@ -168,6 +168,7 @@ static inline void fill_plain(const tile_cell *cell, const soft_worker *limits, 
     }
   if (fragments->count == before) return;
   if (fragments->has_gradients) fragments->gradients[fragments->record_count] = batch->gradient_record[lane];
+  if (fragments->is_sharp) fragments->ends[fragments->record_count][0] = NAN;
   fragments->records[fragments->record_count++] = batch->record[lane];
 }
 
@@ -224,9 +225,11 @@ static inline bool cut_by_plane(const careful_plane *plane, bool parallel, doubl
 }
 
 /* One pixel in double precision: false if the cell does not cover it. The record's reference ray is the pixel's own.
- * limits: places between which the ray is seen, near and far. */
+ * limits: places between which the ray is seen, near and far. ends: filled with the scalars where it enters and
+ * leaves. */
 static inline bool careful_pixel(const soft_scene *scene, const tile_cell *cell, const careful_plane planes[4],
-                                 double u, double v, const double limits[2], soft_record *record, float *near_end) {
+                                 double u, double v, const double limits[2], soft_record *record, float *near_end,
+                                 double ends[2]) {
   const cell_batch *batch = cell->batch;
   const int lane = cell->lane;
   const bool parallel = scene->parallel;
@@ -241,9 +244,13 @@ static inline bool careful_pixel(const soft_scene *scene, const tile_cell *cell,
   const double s = batch->corner[3][lane] + gx[lane] * (stretch * u - batch->corner[0][lane]) +
                    gy[lane] * (stretch * v - batch->corner[1][lane]) + gz[lane] * (t - batch->corner[2][lane]);
   const double slope = parallel ? gz[lane] : gx[lane] * u + gy[lane] * v + gz[lane];
+  const double low = batch->s_low[lane], high = batch->s_high[lane];
+  const double depth = parallel ? leaves - enters : 1 / enters - t; /* from the exit to the entry */
+  ends[0] = smaller(larger(s + slope * depth, low), high);
+  ends[1] = smaller(larger(s, low), high);
   *record = (soft_record){.place = (float)leaves,
                           .s_end = (float)(parallel ? slope : slope * t),
-                          .base = (float)smaller(larger(s, batch->s_low[lane]), batch->s_high[lane]),
+                          .base = (float)ends[1],
                           .s_low = batch->record[lane].s_low,
                           .s_high = batch->record[lane].s_high,
                           .share = batch->record[lane].share,
@@ -271,7 +278,8 @@ static inline void careful_gradient(const soft_scene *scene, const cell_batch *b
   }
 }
 
-static void fill_careful(const soft_scene *scene, const soft_worker *limits, const tile_cell *cell,
+/* is_sharp: scalars are kept in double precision. */
+static void fill_careful(const soft_scene *scene, const soft_worker *limits, const tile_cell *cell, bool is_sharp,
                          soft_fragments *fragments) {
   const soft_rect rect = cell->rect;
   if (!(cell->batch->z_high[cell->lane] > 0) && !scene->parallel) return;
@@ -283,14 +291,18 @@ static void fill_careful(const soft_scene *scene, const soft_worker *limits, con
       const size_t at = fragments->count;
       const double u = scene->across + scene->across_step * x;
       const int32_t pixel = cell->origin + (y - rect.y0) * SOFT_TILE + (x - rect.x0);
-      double seen[2] = {scene->parallel ? -scene->near : 1 / scene->near, -HUGE_VAL};
+      double ends[2], seen[2] = {scene->parallel ? -scene->near : 1 / scene->near, -HUGE_VAL};
       if (limits != NULL) {
         seen[0] = limits->near_place[pixel];
         seen[1] = limits->far_place[pixel];
       }
       if (!careful_pixel(scene, cell, planes, u, v, seen, &fragments->records[fragments->record_count],
-                         &fragments->near_end[at]))
+                         &fragments->near_end[at], ends))
         continue;
+      if (fragments->is_sharp) {
+        fragments->ends[fragments->record_count][0] = is_sharp ? ends[0] : NAN;
+        fragments->ends[fragments->record_count][1] = ends[1];
+      }
       if (fragments->has_gradients)
         careful_gradient(scene, cell->batch, cell->lane, u, v, fragments->records[fragments->record_count].place,
                          &fragments->gradients[fragments->record_count]);
@@ -303,6 +315,7 @@ static void fill_careful(const soft_scene *scene, const soft_worker *limits, con
 }
 
 static bool is_opaque(const soft_scene *scene, const soft_worker *worker) {
+  if (scene->is_thin) return false;
   const m8 none = m8_from_bits(0);
   m8 clear = none;
   const f8 limit = f8_all(scene->transfer->opaque);
@@ -354,9 +367,10 @@ static bool fill_entries(const soft_scene *scene, soft_worker *worker, uint32_t 
                              (int32_t)((rect[i].y0 - top) * SOFT_TILE + (rect[i].x0 - left))};
       const size_t area = (size_t)(rect[i].x1 - rect[i].x0 + 1) * (size_t)(rect[i].y1 - rect[i].y0 + 1);
       if (!soft_fragments_reserve(scene->context, fragments, area)) return false;
-      if (batch.careful >> i & 1) {
+      const bool is_sharp = soft_sharp_meets(&scene->sharp, batch.s_low[i], batch.s_high[i]);
+      if ((batch.careful >> i & 1) || is_sharp) {
         worker->careful_count++;
-        fill_careful(scene, limits, &one, fragments);
+        fill_careful(scene, limits, &one, is_sharp, fragments);
       } else {
         fill_plain(&one, limits, fragments);
       }
@@ -402,22 +416,30 @@ static bool fill_tile(const soft_scene *scene, soft_worker *worker, uint32_t lef
 }
 
 /* The colour of the largest scalar, where there is one. */
-static inline void colour_maximum(const soft_scene *scene, float largest, float colour[3], float *alpha) {
-  *alpha = largest > -HUGE_VALF ? 1 : 0;
+static inline void colour_maximum(const soft_scene *scene, const float largest[2], float colour[3], float *alpha) {
+  *alpha = largest[0] > -HUGE_VALF ? 1 : 0;
   for (int k = 0; k < 3; k++) colour[k] = 0;
   if (*alpha == 0) return;
-  const fast_interval *in = &scene->transfer->intervals[fast_find_interval(scene->transfer, largest)];
-  for (int k = 0; k < 3; k++) colour[k] = in->colour[k] + in->colour_slope[k] * (largest - in->low);
+  const double exact = (double)largest[0] + (double)largest[1];
+  const fast_interval *in = &scene->transfer->intervals[fast_find_interval(scene->transfer, largest[0])];
+  float above = largest[0] - in->low;
+  if (soft_sharp_meets(&scene->sharp, exact, exact)) {
+    const size_t k = soft_sharp_find(&scene->sharp, exact);
+    const double low = scene->sharp.bounds[k], width = scene->sharp.bounds[k + 1] - low;
+    in = &scene->transfer->intervals[scene->sharp.first + k];
+    above = width < HUGE_VAL ? (float)((exact - low) / width) : 0;
+  }
+  for (int k = 0; k < 3; k++) colour[k] = in->colour[k] + in->colour_slope[k] * above;
 }
 
 static void store_tile(const soft_scene *scene, const soft_worker *worker, uint32_t left, uint32_t top) {
   for (uint32_t y = top; y < scene->height && y < top + SOFT_TILE; y++)
     for (uint32_t x = left; x < scene->width && x < left + SOFT_TILE; x++) {
       const size_t from = (size_t)(y - top) * SOFT_TILE + (x - left), to = (size_t)y * scene->width + x;
-      float colour[3], alpha = 1 - worker->pixels[from][3];
+      float colour[3], alpha = scene->is_thin ? worker->pixels[from][3] : 1 - worker->pixels[from][3];
       float z = (float)(worker->z[from] * scene->unit), z_back = (float)(worker->z_back[from] * scene->unit);
       for (int k = 0; k < 3; k++) colour[k] = worker->pixels[from][k];
-      if (scene->model.model == CELLIST_MODEL_MAXIMUM) colour_maximum(scene, worker->pixels[from][0], colour, &alpha);
+      if (scene->model.model == CELLIST_MODEL_MAXIMUM) colour_maximum(scene, worker->pixels[from], colour, &alpha);
       surface_layer_put_behind(&scene->layer, to, colour, &alpha, &z, &z_back);
       for (int k = 0; k < 3; k++)
         if (scene->colour[k] != NULL) scene->colour[k][to] = colour[k];
@@ -453,7 +475,7 @@ static bool draw_tile(const soft_scene *scene, soft_worker *worker, size_t tile)
   const uint32_t top = (uint32_t)(tile / scene->tiles_across) * SOFT_TILE;
   for (size_t i = 0; i < SOFT_TILE_PIXELS; i++) {
     const float first = scene->model.model == CELLIST_MODEL_MAXIMUM ? -HUGE_VALF : 0;
-    memcpy(worker->pixels[i], (const float[4]){first, 0, 0, 1}, sizeof worker->pixels[i]);
+    memcpy(worker->pixels[i], (const float[4]){first, 0, 0, scene->is_thin ? 0 : 1}, sizeof worker->pixels[i]);
     worker->last[i][0] = worker->last[i][1] = -HUGE_VALF;
     worker->z[i] = HUGE_VALF;
     worker->z_back[i] = 0;
