@@ -40,7 +40,7 @@ static double count_fragments(const cellist_pipeline *pipeline, uint32_t width, 
 static bool fast_cast_draws(const cellist_pipeline *pipeline) {
   const cellist_optics *optics = &pipeline->desc.optics.model;
   return (optics->model == CELLIST_MODEL_EMISSION_ABSORPTION || optics->model == CELLIST_MODEL_ABSORPTION) &&
-         (!optics->light.enabled || optics->model == CELLIST_MODEL_ABSORPTION);
+         (!optics->light.enabled || optics->model == CELLIST_MODEL_ABSORPTION) && !pipeline_is_narrow(pipeline);
 }
 
 cellist_renderer pipeline_choose(cellist_pipeline *pipeline) {
@@ -56,7 +56,7 @@ cellist_renderer pipeline_choose(cellist_pipeline *pipeline) {
     return CELLIST_RENDERER_FACES;
   }
 #endif
-  if (desc->backend != CELLIST_BACKEND_AUTO && pipeline_has_gpu(pipeline)) {
+  if (desc->backend != CELLIST_BACKEND_AUTO && !pipeline_is_narrow(pipeline) && pipeline_has_gpu(pipeline)) {
     snprintf(pipeline->reason, sizeof pipeline->reason, "this OpenGL is more than software");
     return CELLIST_RENDERER_FACES;
   }
@@ -65,7 +65,7 @@ cellist_renderer pipeline_choose(cellist_pipeline *pipeline) {
     return CELLIST_RENDERER_CAST;
   }
   if (!fast_cast_draws(pipeline)) {
-    snprintf(pipeline->reason, sizeof pipeline->reason, "the ray caster draws this model only in double precision");
+    snprintf(pipeline->reason, sizeof pipeline->reason, "the ray caster draws this only in double precision");
     return CELLIST_RENDERER_SOFT;
   }
   const uint32_t width = desc->width > 0 ? desc->width : USUAL_SIZE;

@@ -66,6 +66,11 @@ bool pipeline_is_inexact(const cellist_pipeline *pipeline) {
          (model->model == CELLIST_MODEL_EMISSION_ABSORPTION || model->model == CELLIST_MODEL_ABSORPTION);
 }
 
+bool pipeline_is_narrow(const cellist_pipeline *pipeline) {
+  return pipeline->desc.optics.model.model != CELLIST_MODEL_ISOSURFACES &&
+         cellist_transfer_is_narrow(&pipeline->transfer, pipeline->scalar.minimum, pipeline->scalar.maximum);
+}
+
 const char *pipeline_name_method(cellist_pipeline *pipeline) {
   const cellist_optics *model = &pipeline->desc.optics.model;
   if (!pipeline_is_inexact(pipeline)) return "exact";

@@ -36,6 +36,11 @@ static void warn_of_method(const cellist_pipeline *pipeline) {
   if (pipeline->renderer != CELLIST_RENDERER_FACES && pipeline_is_inexact(pipeline))
     cellist_log(pipeline->context, CELLIST_LOG_WARNING,
                 "this renderer integrates exactly; psi and tables are for the renderer 'faces'");
+  if ((pipeline->renderer == CELLIST_RENDERER_FACES || pipeline->renderer == CELLIST_RENDERER_FAN) &&
+      pipeline_is_narrow(pipeline))
+    cellist_log(pipeline->context, CELLIST_LOG_WARNING,
+                "the transfer function has peaks too narrow for scalars in single precision, as this renderer keeps "
+                "them; 'soft' and 'cast' draw them right");
 }
 
 static cellist_result make_renderer(cellist_pipeline *pipeline) {

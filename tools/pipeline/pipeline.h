@@ -82,6 +82,8 @@ cellist_result pipeline_keep_model(cellist_pipeline *pipeline);
 const char *pipeline_name_method(cellist_pipeline *pipeline);
 /* Whether that is by other means than exactly. */
 bool pipeline_is_inexact(const cellist_pipeline *pipeline);
+/* Whether the transfer function is too sharp for scalars in single precision. */
+bool pipeline_is_narrow(const cellist_pipeline *pipeline);
 
 /* surfaces.c: the scene's opaque surface; what an image's attributes say of it and of clip planes. */
 cellist_result pipeline_make_surface(cellist_pipeline *pipeline);
