@@ -126,7 +126,7 @@ static void choose_camera(random_state *random, soak_scene *scene) {
     say(scene, "--near");
     say(scene, "%.4g", distance * random_between(random, 0.1, 1.1));
   }
-  if (one_in(random, 8)) {
+  for (unsigned planes = one_in(random, 6) ? 1 + (unsigned)random_below(random, 3) : 0; planes > 0; planes--) {
     double n[3], at = 0;
     for (int k = 0; k < 3; k++) {
       n[k] = random_between(random, -1, 1);
@@ -180,16 +180,49 @@ static void choose_optics(random_state *random, soak_scene *scene) {
     else
       say(scene, "%.2g,%.2g,%.2g", random_between(random, -1, 1), random_between(random, -1, 1),
           random_between(random, 0.1, 1));
+    say(scene, "--samples");
+    say(scene, "%u", 1 + (unsigned)random_below(random, 4));
   }
 }
 
+/* Opaque surfaces of the mesh's own cells. */
+static void choose_surfaces(random_state *random, soak_scene *scene) {
+  if (!one_in(random, 8)) return;
+  for (unsigned count = one_in(random, 3) ? 2 : 1; count > 0; count--) {
+    char source[64] = "boundary", colour[64] = "";
+    const double low = random_between(random, -1, 0.8);
+    if (!one_in(random, 4)) snprintf(source, sizeof source, "cells:wave=%.3g..%.3g", low, low + power(random, 0.1, 1));
+    if (one_in(random, 2))
+      snprintf(colour, sizeof colour, ",%.2g,%.2g,%.2g", random_unit(random), random_unit(random), random_unit(random));
+    say(scene, "--surface");
+    say(scene, "%s%s", source, colour);
+  }
+}
+
+/* What only OpenGL takes. */
+static void choose_gl(random_state *random, soak_scene *scene, bool is_fan) {
+  if (one_in(random, 6)) say(scene, "--framebuffer"), say(scene, "%s", one_in(random, 2) ? "16f" : "8");
+  if (is_fan || !one_in(random, 5)) return;
+  say(scene, "--integration");
+  if (one_in(random, 2))
+    say(scene, "psi");
+  else
+    say(scene, "table:%ux%u", 128u << random_below(random, 2), 32u << random_below(random, 2));
+}
+
 static void choose_renderer(random_state *random, soak_scene *scene) {
-  static const char *const names[] = {"cast", "cast", "cast", "soft", "soft", "soft", "faces", "faces"};
+  static const char *const names[] = {"cast", "cast", "cast", "soft", "soft", "soft", "faces", "faces", "fan"};
   static const char *const tets[] = {"32", "20", "16"};
-  const char *name = names[random_below(random, 8)];
+  static const char *const exteriors[] = {"none", "hull", "box", "grid", "delaunay"};
+  const char *name = names[random_below(random, sizeof names / sizeof names[0])];
+  const bool is_fan = strcmp(name, "fan") == 0, is_cast = strcmp(name, "cast") == 0;
   say(scene, "--renderer");
   say(scene, "%s", name);
-  if (name[0] == 'c' && one_in(random, 2)) say(scene, "--tets"), say(scene, "%s", tets[random_below(random, 3)]);
+  if (is_cast && one_in(random, 2)) say(scene, "--tets"), say(scene, "%s", tets[random_below(random, 3)]);
+  if (is_fan || strcmp(name, "faces") == 0) choose_gl(random, scene, is_fan);
+  if (!is_cast && one_in(random, 3))
+    say(scene, "--exterior"), say(scene, "%s", exteriors[random_below(random, sizeof exteriors / sizeof exteriors[0])]);
+  say(scene, "--no-cache");
   say(scene, "--threads");
   say(scene, "%u", 1 + (unsigned)random_below(random, 4));
   if (one_in(random, 8)) say(scene, "--no-plan");
@@ -200,18 +233,28 @@ static void choose_renderer(random_state *random, soak_scene *scene) {
 /* ---- What the words mean ------------------------------------------------------------------------------ */
 
 static void read_back(soak_scene *scene) {
-  const char *renderer = "auto", *tets = "0";
+  static const char *const renderers[] = {"auto", "faces", "fan", "soft", "cast"}; /* as cellist_renderer */
+  static const char *const framebuffers[] = {"32f", "16f", "8"};                   /* as cellist_framebuffer */
+  const char *renderer = "auto", *tets = "0", *framebuffer = "32f";
   optics_options look;
   option_spec view_table[VIEW_OPTION_COUNT], optics_table[OPTICS_OPTION_COUNT];
+  option_spec order_table[ORDER_OPTION_COUNT], surface_table[SURFACE_OPTION_COUNT];
   view_options_init(&scene->camera, view_table);
   optics_options_init(&look, optics_table);
+  order_options_init(&scene->sorting, order_table);
+  surface_options_init(&scene->surface_texts, surface_table);
   const option_spec table[] = {
-      {"renderer", "faces|soft|cast", "", OPTION_CHOICE, &renderer}, {"tets", "32|20|16", "", OPTION_CHOICE, &tets},
-      {"threads", "N", "", OPTION_COUNT, &scene->threads},           {"size", "WxH", "", OPTION_SIZE, scene->size},
-      {"no-plan", "", "", OPTION_FLAG, &scene->desc.no_plan},        {NULL, NULL, NULL, OPTION_FLAG, NULL},
+      {"renderer", "faces|fan|soft|cast", "", OPTION_CHOICE, &renderer},
+      {"framebuffer", "32f|16f|8", "", OPTION_CHOICE, &framebuffer},
+      {"tets", "32|20|16", "", OPTION_CHOICE, &tets},
+      {"threads", "N", "", OPTION_COUNT, &scene->threads},
+      {"size", "WxH", "", OPTION_SIZE, scene->size},
+      {"no-plan", "", "", OPTION_FLAG, &scene->desc.no_plan},
+      {NULL, NULL, NULL, OPTION_FLAG, NULL},
   };
   static const char *const examples[] = {NULL};
-  const command_usage usage = {"render", "MESH", "", 1, 1, examples, {table, view_table, optics_table}};
+  const command_usage usage = {
+      "render", "MESH", "", 1, 1, examples, {table, view_table, optics_table, order_table, surface_table}};
   char *arguments[SOAK_ARGUMENTS + 1] = {"render"};
   memcpy(arguments + 1, scene->arguments, (size_t)scene->argument_count * sizeof arguments[0]);
   size_t positional = 0;
@@ -220,6 +263,9 @@ static void read_back(soak_scene *scene) {
   const double unit[6] = {0, 0, 0, 1, 1, 1};
   cellist_view view;
   if (wrong == NULL) wrong = view_options_resolve(&scene->camera, unit, &view);
+  if (wrong == NULL) wrong = order_options_resolve(&scene->sorting, &scene->desc.order);
+  if (wrong == NULL)
+    wrong = surface_options_resolve(&scene->surface_texts, scene->surfaces, &scene->desc.surface_count);
   if (wrong != NULL) {
     fprintf(stderr, "%s\n", wrong);
     soak_scene_print(scene);
@@ -227,9 +273,11 @@ static void read_back(soak_scene *scene) {
   }
   scene->desc.source = arguments[1];
   scene->desc.tets = (uint32_t)strtoul(tets, NULL, 10);
-  scene->desc.renderer = strcmp(renderer, "faces") == 0  ? CELLIST_RENDERER_FACES
-                         : strcmp(renderer, "soft") == 0 ? CELLIST_RENDERER_SOFT
-                                                         : CELLIST_RENDERER_CAST;
+  scene->desc.surfaces = scene->surfaces;
+  for (int i = 0; i < 5; i++)
+    if (strcmp(renderer, renderers[i]) == 0) scene->desc.renderer = (cellist_renderer)i;
+  for (int i = 0; i < 3; i++)
+    if (strcmp(framebuffer, framebuffers[i]) == 0) scene->desc.framebuffer = (cellist_framebuffer)i;
 }
 
 void soak_scene_make(uint64_t seed, uint64_t index, soak_scene *scene) {
@@ -240,6 +288,7 @@ void soak_scene_make(uint64_t seed, uint64_t index, soak_scene *scene) {
   choose_mesh(&random, scene);
   choose_camera(&random, scene);
   choose_optics(&random, scene);
+  choose_surfaces(&random, scene);
   choose_renderer(&random, scene);
   read_back(scene);
 }

@@ -7,6 +7,8 @@
 #include <cellist/pipeline.h>
 #include <mesh_options.h>
 #include <optics_options.h>
+#include <order_options.h>
+#include <surface_options.h>
 #include <view_options.h>
 
 enum { SOAK_ARGUMENTS = 64, SOAK_TEXT = 2048 };
@@ -20,6 +22,9 @@ typedef struct soak_scene {
   /* What they mean. */
   cellist_pipeline_desc desc;
   cellist_isosurface isos[LIST_CAPACITY];
+  surface_options surface_texts; /* desc refers to what stands from here to sorting: do not copy a scene */
+  cellist_pipeline_surface surfaces[LIST_CAPACITY];
+  order_options sorting;
   view_options camera;
   unsigned size[2], threads;
   bool is_flawed; /* cells overlap: no picture is right */

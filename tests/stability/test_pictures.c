@@ -39,21 +39,29 @@ TEST(stiff_by_soft)
 { run(STABILITY_STIFF, STABILITY_SOFT); }
 TEST(stiff_by_faces)
 { run(STABILITY_STIFF, STABILITY_FACES); }
+TEST(stiff_by_fan)
+{ run(STABILITY_STIFF, STABILITY_FAN); }
 TEST(shapes_by_cast)
 { run(STABILITY_SHAPE, STABILITY_CAST); }
 TEST(shapes_by_soft)
 { run(STABILITY_SHAPE, STABILITY_SOFT); }
 TEST(shapes_by_faces)
 { run(STABILITY_SHAPE, STABILITY_FACES); }
+TEST(shapes_by_fan)
+{ run(STABILITY_SHAPE, STABILITY_FAN); }
 TEST(frames_by_cast)
 { run(STABILITY_FRAME, STABILITY_CAST); }
 TEST(frames_by_soft)
 { run(STABILITY_FRAME, STABILITY_SOFT); }
 TEST(frames_by_faces)
 { run(STABILITY_FRAME, STABILITY_FACES); }
+TEST(frames_by_fan)
+{ run(STABILITY_FRAME, STABILITY_FAN); }
 TEST(views_by_cast)
 { run(STABILITY_VIEW, STABILITY_CAST); }
 TEST(views_by_soft)
 { run(STABILITY_VIEW, STABILITY_SOFT); }
 TEST(views_by_faces)
 { run(STABILITY_VIEW, STABILITY_FACES); }
+TEST(views_by_fan)
+{ run(STABILITY_VIEW, STABILITY_FAN); }

@@ -45,7 +45,8 @@ static cellist_result draw_picture(cellist_context *context, const stability_sce
                                    cellist_image **image) {
   static const cellist_renderer renderers[] = {[STABILITY_CAST] = CELLIST_RENDERER_CAST,
                                                [STABILITY_SOFT] = CELLIST_RENDERER_SOFT,
-                                               [STABILITY_FACES] = CELLIST_RENDERER_FACES};
+                                               [STABILITY_FACES] = CELLIST_RENDERER_FACES,
+                                               [STABILITY_FAN] = CELLIST_RENDERER_FAN};
   const cellist_pipeline_desc desc = {.mesh = scene->mesh,
                                       .optics = {.function = &scene->transfer, .model = scene->optics},
                                       .renderer = renderers[renderer]};
@@ -109,7 +110,8 @@ static void compare(const stability_scene *scene, const struct reference *refere
 
 static void judge(const stability_case *which, const stability_scene *scene, const struct reference *reference,
                   const cellist_image *image, stability_renderer renderer, stability_picture *found) {
-  const double limit = which->limit > 0 ? which->limit : STABILITY_LIMIT;
+  double limit = which->limit > 0 ? which->limit : STABILITY_LIMIT;
+  if (renderer == STABILITY_FAN) limit = fmax(limit, STABILITY_FAN_LIMIT);
   for (size_t i = 0; i < 4 * (size_t)scene->width * scene->height; i++)
     if (!isfinite(reference->rgba[i])) {
       snprintf(found->message, sizeof found->message, "the reference itself is not finite at pixel %zu", i / 4);

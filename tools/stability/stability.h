@@ -47,8 +47,15 @@ typedef enum stability_renderer {
   STABILITY_CAST,
   STABILITY_SOFT,
   STABILITY_FACES,
+  STABILITY_FAN,
   STABILITY_RENDERER_COUNT
 } stability_renderer;
+
+/* Why a case is not held to the usual limit, or does not pass. */
+typedef struct stability_excuse {
+  const char *why;
+  const char *listed; /* words of README's limits that list it */
+} stability_excuse;
 
 typedef struct stability_case {
   const char *name;
@@ -60,22 +67,25 @@ typedef struct stability_case {
   /* Largest difference to the reference, in parts of the picture's largest value, and why it is not smaller. 0: the
    * usual limit, see STABILITY_LIMIT. */
   double limit;
-  const char *reason;
+  const stability_excuse *reason;
   /* Pixels that may be further off, and why. */
   size_t strays;
-  const char *stray_reason;
-  /* Does not pass, and why: listed in README's limits. By renderer; NULL: passes. */
-  const char *fails[STABILITY_RENDERER_COUNT];
+  const stability_excuse *stray_reason;
+  /* Does not pass, and why. By renderer; NULL: passes. */
+  const stability_excuse *fails[STABILITY_RENDERER_COUNT];
 } stability_case;
 
 /* What single precision leaves of a picture whose cells are not extreme: some ten roundings of 6e-8 a cell, and a few
  * cells thick. Smaller, and rounding alone would fail cases; larger, and a wrong cell at a silhouette would pass. */
 extern const double STABILITY_LIMIT;
+/* Of `fan`, at the edges of its triangles. */
+extern const double STABILITY_FAN_LIMIT;
+extern const stability_excuse STABILITY_FAN_EXCUSE;
 
 /* Case i, or NULL from the last one on. Threads: any. */
 const stability_case *stability_case_at(size_t i);
 
-/* "stiff", "shape", "frame", "view"; "cast", "soft", "faces". Threads: any. */
+/* "stiff", "shape", "frame", "view"; "cast", "soft", "faces", "fan". Threads: any. */
 const char *stability_group_name(stability_group group);
 const char *stability_renderer_name(stability_renderer renderer);
 

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Soak judge: pixel by pixel, within what each setting promises.
+ *
+ * A pixel that is further off is right all the same if the reference takes on its value within a small shift: rays that
+ * graze an edge, cut a corner or run in a face see something else there. */
+#include "soak_judge.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Single precision in a few hundred cells of any opacity; smaller: rounding alone would fail; larger: a wrong cell in a
+ * faint medium would pass. */
+static const double LIMIT = 2e-4;
+/* Pictures that are fainter are judged as if they were this bright: errors of A do not shrink with it. */
+static const double FAINT = 0.05;
+/* In pixels: some twenty times what rounding moves a corner by. */
+static const double SHIFT = 1e-4;
+
+/* Light by gradients at points, which is taken at 1 to 4 places of a segment: the highlight by faces, all of it by
+ * soft. Meshes of six cells have long segments; on finer ones errors are as the folders' READMEs say. */
+static const double LIT_FACES[4] = {0.1, 0.06, 0.05, 0.04}, LIT_SOFT[4] = {0.25, 0.12, 0.08, 0.06};
+/* psi looks weights up in a table; other tables know the transfer function at their nodes only. */
+static const double PSI = 1e-3, TABLE = 3e-2;
+/* OpenGL moves a fan's corners by up to 1/512 pixel along either axis, and an opaque surface's. */
+static const double FAN = 5e-3, CORNER_SHIFT = 1.0 / 128;
+/* Roundings of a blend, to 11 bits or to bytes: of what is added, of what is left through, and of their sum. */
+static const double BLEND_16F = 3 * 0x1p-12, BLEND_8 = 3 * 0.5 / 255;
+
+enum { SHIFTS = 8 };
+
+static const char *const CHANNELS[] = {"R", "G", "B", "A"};
+
+/* How far a pixel may be off. */
+typedef struct allowance {
+  double plain;    /* in parts of the picture's largest value */
+  double per_cell; /* more for each cell on the ray, in parts of it or of 1 if that is larger */
+  double shift;    /* of the reference, in pixels */
+  bool is_finite;  /* nothing else is known */
+} allowance;
+
+static allowance allowance_of(const soak_scene *scene, double peak) {
+  const cellist_pipeline_desc *desc = &scene->desc;
+  const cellist_optics *model = &desc->optics.model;
+  const bool is_faces = desc->renderer == CELLIST_RENDERER_FACES, is_fan = desc->renderer == CELLIST_RENDERER_FAN;
+  const bool is_gl = is_faces || is_fan;
+  const bool is_volume = model->model == CELLIST_MODEL_EMISSION_ABSORPTION || model->model == CELLIST_MODEL_ABSORPTION;
+  allowance made = {.plain = LIMIT, .shift = SHIFT, .is_finite = scene->is_flawed};
+  const bool is_lit = model->light.enabled &&
+                      (model->model == CELLIST_MODEL_EMISSION_ABSORPTION || model->model == CELLIST_MODEL_EMISSION);
+  const uint32_t samples = model->sample_count > 0 ? model->sample_count : 1;
+  if (is_lit && desc->renderer != CELLIST_RENDERER_CAST) made.plain = (is_gl ? LIT_FACES : LIT_SOFT)[samples - 1];
+  if (is_faces && is_volume && model->integration == CELLIST_INTEGRATION_PSI) made.plain = fmax(made.plain, PSI);
+  if (is_faces && is_volume && model->integration == CELLIST_INTEGRATION_TABLE) {
+    made.plain = fmax(made.plain, TABLE);
+    /* README's limits: spikes are smeared, and so is what a narrow range makes of any function. */
+    made.is_finite = made.is_finite || desc->optics.has_range || strcmp(desc->optics.transfer, "spikes") == 0;
+  }
+  if (is_fan) made.plain = fmax(made.plain, FAN);
+  if (is_fan || (is_gl && desc->surface_count > 0)) made.shift = CORNER_SHIFT;
+  const bool is_float = desc->framebuffer == CELLIST_FRAMEBUFFER_32F || model->model == CELLIST_MODEL_MAXIMUM;
+  if (is_gl && !is_float) {
+    made.per_cell = desc->framebuffer == CELLIST_FRAMEBUFFER_16F ? BLEND_16F : BLEND_8;
+    made.is_finite = made.is_finite || (desc->framebuffer == CELLIST_FRAMEBUFFER_8 && peak > 1);
+  }
+  /* README's limits: rays that lie in faces but for rounding. */
+  made.is_finite = made.is_finite || (scene->is_along && is_gl);
+  return made;
+}
+
+/* The view moved by a part of a pixel. */
+static bool shifted(cellist_context *context, const cellist_view *view, const unsigned size[2], double shift, int step,
+                    cellist_view *moved) {
+  cellist_frame frame;
+  if (cellist_frame_from_view(context, view, size[0], size[1], &frame) != CELLIST_SUCCESS) return false;
+  static const int ways[SHIFTS][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
+  double distance = 0;
+  for (int k = 0; k < 3; k++) distance = hypot(distance, view->target[k] - view->eye[k]);
+  const double unit = frame.parallel ? 1 : distance;
+  const double x = shift * ways[step][0] * 2 * frame.half_width / size[0] * unit;
+  const double y = shift * ways[step][1] * 2 * frame.half_height / size[1] * unit;
+  *moved = *view;
+  for (int k = 0; k < 3; k++) {
+    const double by = x * frame.right[k] + y * frame.up[k];
+    moved->target[k] += by;
+    if (frame.parallel) moved->eye[k] += by;
+  }
+  return true;
+}
+
+struct pictures {
+  const cellist_image *drawn, *reference;
+  cellist_image *moved[SHIFTS];
+  size_t moved_count;
+};
+
+static double value_of(const cellist_image *image, int channel, size_t pixel) {
+  return (double)cellist_image_channel(image, CHANNELS[channel])[pixel];
+}
+
+static bool is_explained(const struct pictures *pictures, size_t pixel, double tolerance) {
+  for (int k = 0; k < 4; k++) {
+    double low = value_of(pictures->reference, k, pixel), high = low;
+    for (size_t i = 0; i < pictures->moved_count; i++) {
+      const double value = value_of(pictures->moved[i], k, pixel);
+      low = fmin(low, value);
+      high = fmax(high, value);
+    }
+    const double value = value_of(pictures->drawn, k, pixel);
+    if (!(value >= low - tolerance && value <= high + tolerance)) return false;
+  }
+  return true;
+}
+
+/* The largest value of the reference; fills reason if a value is none. */
+static double find_peak(const soak_scene *scene, const struct pictures *pictures, char *reason) {
+  const size_t count = (size_t)scene->size[0] * scene->size[1];
+  double peak = 0;
+  for (int k = 0; k < 4; k++)
+    for (size_t i = 0; i < count; i++) {
+      const double d = value_of(pictures->drawn, k, i), r = value_of(pictures->reference, k, i);
+      if (!isfinite(d) || !isfinite(r)) {
+        snprintf(reason, SOAK_REASON, "pixel %zu,%zu: %s is %g, the reference %g", i % scene->size[0],
+                 i / scene->size[0], CHANNELS[k], d, r);
+        return 0;
+      }
+      peak = fmax(peak, fabs(r));
+    }
+  return peak;
+}
+
+static cellist_result draw_moved(cellist_context *context, cellist_pipeline *caster, const soak_scene *scene,
+                                 const cellist_view *view, double shift, struct pictures *pictures) {
+  for (int s = (int)pictures->moved_count; s < SHIFTS; s++) {
+    cellist_view moved;
+    if (!shifted(context, view, scene->size, shift, s, &moved)) break;
+    const cellist_result result = cellist_pipeline_draw(caster, &moved, scene->size[0], scene->size[1],
+                                                        &pictures->moved[pictures->moved_count], NULL);
+    if (result != CELLIST_SUCCESS) return result;
+    pictures->moved_count++;
+  }
+  return CELLIST_SUCCESS;
+}
+
+static void say_wrong(const soak_scene *scene, const struct pictures *pictures, size_t wrong, size_t pixel,
+                      char *reason) {
+  double d[4], r[4];
+  for (int k = 0; k < 4; k++) {
+    d[k] = value_of(pictures->drawn, k, pixel);
+    r[k] = value_of(pictures->reference, k, pixel);
+  }
+  snprintf(reason, SOAK_REASON,
+           "%zu of %u pixels are wrong; %zu,%zu is %.6g %.6g %.6g %.6g instead of %.6g %.6g %.6g %.6g", wrong,
+           scene->size[0] * scene->size[1], pixel % scene->size[0], pixel / scene->size[0], d[0], d[1], d[2], d[3],
+           r[0], r[1], r[2], r[3]);
+}
+
+static cellist_result compare(cellist_context *context, cellist_pipeline *caster, const soak_scene *scene,
+                              const cellist_view *view, struct pictures *pictures, soak_totals *totals, char *reason) {
+  const size_t count = (size_t)scene->size[0] * scene->size[1];
+  const double peak = find_peak(scene, pictures, reason);
+  totals->pixels += count;
+  const allowance allowed = allowance_of(scene, peak);
+  if (reason[0] != '\0' || allowed.is_finite) return CELLIST_SUCCESS;
+  const float *cells = cellist_image_channel(pictures->reference, "cells.Y");
+  size_t wrong = 0, first = 0;
+  double worst = 0;
+  for (size_t i = 0; i < count; i++) {
+    const double tolerance = allowed.plain * fmax(peak, FAINT) + allowed.per_cell * (cells[i] + 2) * fmax(peak, 1);
+    double difference = 0;
+    for (int k = 0; k < 4; k++)
+      difference = fmax(difference, fabs(value_of(pictures->drawn, k, i) - value_of(pictures->reference, k, i)));
+    if (!(difference > tolerance)) {
+      if (allowed.plain == LIMIT && allowed.per_cell == 0)
+        totals->worst = fmax(totals->worst, peak > 0 ? difference / peak : difference);
+      continue;
+    }
+    const cellist_result result = draw_moved(context, caster, scene, view, allowed.shift, pictures);
+    if (result != CELLIST_SUCCESS) return result;
+    if (is_explained(pictures, i, tolerance)) {
+      totals->shifted_pixels++;
+      continue;
+    }
+    if (difference > worst) worst = difference, first = i;
+    wrong++;
+  }
+  if (wrong > 0) say_wrong(scene, pictures, wrong, first, reason);
+  return CELLIST_SUCCESS;
+}
+
+cellist_result soak_judge(cellist_context *context, cellist_pipeline *caster, const soak_scene *scene,
+                          const cellist_view *view, const cellist_image *drawn, const cellist_image *reference,
+                          soak_totals *totals, char reason[SOAK_REASON]) {
+  struct pictures pictures = {.drawn = drawn, .reference = reference};
+  const cellist_result result = compare(context, caster, scene, view, &pictures, totals, reason);
+  for (size_t i = 0; i < pictures.moved_count; i++) cellist_image_destroy(pictures.moved[i]);
+  return result;
+}
+
+void soak_judge_same(const soak_scene *scene, const cellist_image *a, const cellist_image *b,
+                     char reason[SOAK_REASON]) {
+  const size_t count = (size_t)scene->size[0] * scene->size[1];
+  for (int k = 0; k < 4; k++)
+    for (size_t i = 0; i < count; i++)
+      if (value_of(a, k, i) != value_of(b, k, i)) {
+        snprintf(reason, SOAK_REASON, "pixel %zu,%zu: %s is %.9g with one number of threads and %.9g with another",
+                 i % scene->size[0], i / scene->size[0], CHANNELS[k], value_of(a, k, i), value_of(b, k, i));
+        return;
+      }
+}
