@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "budget.h"
 #include "clock.h"
 #include "command.h"
 #include "mesh_options.h"
@@ -99,7 +98,7 @@ static cellist_result draw_all(cellist_context *context, const struct render_opt
 /* Loads the mesh to count what its pictures cost, and chooses how to draw it. */
 static cellist_result choose(cellist_context *context, const struct render_options *options, const char *source,
                              const view_options *camera, cellist_pipeline_desc *desc, cellist_mesh **mesh,
-                             budget_choice *choice) {
+                             cellist_budget *budget) {
   cellist_result result = cellist_pipeline_load(context, source, &desc->read, mesh);
   if (result != CELLIST_SUCCESS) return result;
   cellist_view view;
@@ -108,13 +107,14 @@ static cellist_result choose(cellist_context *context, const struct render_optio
   result = cellist_frame_from_view(context, &view, options->size[0], options->size[1], &frame);
   if (result != CELLIST_SUCCESS) return result;
   desc->mesh = *mesh;
-  if (budget_choose(*mesh, &frame, options->error, options->time, cellist_context_worker_count(context), desc, choice))
+  if (cellist_pipeline_budget(*mesh, &frame, options->error, options->time, cellist_context_worker_count(context), desc,
+                              budget))
     return CELLIST_SUCCESS;
   if (options->error > 0)
     return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "no setting is closer than %g (%s); --error asks for %g",
-                        choice->expected_error, choice->name, options->error);
+                        budget->error, budget->name, options->error);
   cellist_log(context, CELLIST_LOG_WARNING, "even the fastest setting (%s) is expected to take %.2g s a frame",
-              choice->name, choice->expected_seconds);
+              budget->name, budget->seconds);
   return CELLIST_SUCCESS;
 }
 
@@ -241,10 +241,10 @@ int command_render(int argc, char **argv) {
   cellist_pipeline *pipeline = NULL;
   cellist_pipeline_stats stats = {0};
   cellist_mesh *mesh = NULL; /* only if it had to be loaded to choose how to draw it */
-  budget_choice choice = {0};
+  cellist_budget budget = {0};
   cellist_result result = tally.sort != NULL && tally.draw != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
   if (result == CELLIST_SUCCESS && (options.error > 0 || options.time > 0))
-    result = choose(context, &options, argv[1], &camera, &desc, &mesh, &choice);
+    result = choose(context, &options, argv[1], &camera, &desc, &mesh, &budget);
   if (result == CELLIST_SUCCESS) result = cellist_pipeline_create(context, &desc, &pipeline);
   if (result == CELLIST_SUCCESS) {
     view_options_resolve(&camera, cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->bounds, &view);
@@ -265,7 +265,7 @@ int command_render(int argc, char **argv) {
                                            .draw = terminal_median(tally.draw, tally.count),
                                            .total = clock_seconds() - begin,
                                            .full = options.explain ? &full : NULL,
-                                           .choice = choice.name != NULL ? &choice : NULL};
+                                           .budget = budget.name != NULL ? &budget : NULL};
     status = options.json ? render_report_json(&outcome) : render_report_text(&outcome);
   }
   free(tally.sort);

@@ -5,7 +5,6 @@
 
 #include <cellist/pipeline.h>
 
-#include "budget.h"
 #include "options.h"
 
 /* What the command was asked for. */
@@ -26,7 +25,7 @@ struct render_outcome {
   cellist_pipeline_stats stats;       /* of the last frame */
   double sort, draw, total;           /* seconds: medians per frame; the whole command */
   const cellist_pipeline_stats *full; /* of the last frame drawn without a plan; NULL unless asked to explain */
-  const budget_choice *choice;        /* what --error or --time made of it; else NULL */
+  const cellist_budget *budget;       /* what --error or --time made of it; else NULL */
 };
 
 /* Prints one object on standard output; returns the exit status. */

@@ -129,6 +129,9 @@ case_exteriors_are_chosen_and_kept() {
   expect 0 sort sample:gears:2000 --json
   json "j['cached'] and all(j[k] == json.load(open('first'))[k] for k in ('exterior', 'exterior_reason', 'imaginary_cells'))"
   expect 0 render sample:gears:2000 -o a.exr --renderer soft --tf viridis --size 32x32 --cache mine --json
+  json "j['exterior'] == 'none' and '1 picture would not pay' in j['exterior_reason']"
+  [ ! -e mine ] || fail "one picture made an exterior"
+  expect 0 render sample:gears:2000 -o a.exr --renderer soft --tf viridis --size 4x4 --cache mine --frames 300 --json
   json "j['exterior'] != 'none' and j['imaginary_cells'] > 0 and 'exterior_reason' in j"
   [ "$(ls mine/*.cells | wc -l)" -eq 1 ] || fail "--cache is not used"
   expect 0 render sample:gears:2000 -o a.exr --renderer cast --size 32x32 --cache other

@@ -31,8 +31,13 @@ TEST(the_choice_follows_the_work_that_is_to_be_done)
   assert_non_null(strstr(reason, "counted work"));
   const cellist_pipeline_desc fine = {.width = 64, .height = 64, .frames = 1000};
   assert_string_equal(chosen("sample:grid:50000", fine, reason), "cast");
-  const cellist_pipeline_desc once = {.width = 512, .height = 512};
-  assert_string_equal(chosen("sample:gears", once, reason), "cast");
+  /* The same mesh where few cells can show something. */
+  cellist_transfer_knot knots[] = {{0, 0, {1, 1, 1}}, {0.83, 0, {1, 1, 1}}, {0.84, 5, {1, 0, 0}}};
+  const cellist_transfer window = {sizeof knots / sizeof knots[0], knots};
+  const cellist_pipeline_desc sparse = {.width = 512, .height = 512, .frames = 1, .optics = {.function = &window}};
+  assert_string_equal(chosen("sample:grid:200000", sparse, reason), "soft");
+  const cellist_pipeline_desc dense = {.width = 512, .height = 512, .frames = 1};
+  assert_string_equal(chosen("sample:grid:200000", dense, reason), "cast");
 }
 
 TEST(what_only_one_renderer_does_goes_to_it)

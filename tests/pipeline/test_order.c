@@ -94,6 +94,30 @@ TEST(the_choice_is_kept_with_its_reason)
   harness_context_destroy(context);
 }
 
+TEST(one_picture_makes_no_exterior_but_takes_one_that_is_kept)
+{
+  char directory[] = "/tmp/cellist_order_XXXXXX";
+  assert_non_null(mkdtemp(directory));
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  assert_success(context, cellist_pipeline_load(context, "sample:gears:1500", NULL, &mesh));
+  const cellist_order_desc one = {.cache_directory = directory, .pictures = 1}, many = {.cache_directory = directory},
+                           told = {.pictures = 1, .exterior = CELLIST_ORDER_HULL};
+  cellist_order_facts facts = facts_of(context, mesh, &one);
+  assert_string_equal(facts.exterior, "none");
+  assert_non_null(strstr(facts.reason, "1 picture would not pay"));
+  facts = facts_of(context, mesh, &many);
+  assert_true(facts.imaginary_cells > 0 && !facts.cached); /* the first one kept nothing */
+  facts = facts_of(context, mesh, &one);
+  assert_true(facts.imaginary_cells > 0 && facts.cached);
+  assert_string_equal(facts_of(context, mesh, &told).exterior, "hull");
+  char command[128];
+  snprintf(command, sizeof command, "rm -r %s", directory);
+  assert_int_equal(system(command), 0);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
+}
+
 TEST(a_convex_mesh_gets_no_exterior)
 {
   cellist_context *context = harness_context(1);

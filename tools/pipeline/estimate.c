@@ -5,8 +5,9 @@
  * eye at depth z and angle a off the axis, it covers shadow / (z^2 cos a) of an image at depth 1. Summed over at most
  * SAMPLES tets, evenly spread; exact for small tets within the picture. Tets whose centre is outside the picture do not
  * count, those that reach beyond it count whole. */
-#include <cellist/pipeline.h>
 #include <math.h>
+
+#include "costs.h"
 
 enum { SAMPLES = 20000 };
 
@@ -40,9 +41,25 @@ static double fragments_of(const cellist_mesh_arrays *mesh, const cellist_frame 
 }
 
 double cellist_pipeline_estimate_fragments(const cellist_mesh *mesh, const cellist_frame *frame) {
+  return draw_counts_of(mesh, frame, NULL).fragments;
+}
+
+draw_counts draw_counts_of(const cellist_mesh *mesh, const cellist_frame *frame, const uint8_t *visible) {
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
-  const size_t stride = arrays->tet_count / SAMPLES + 1;
-  double sum = 0;
-  for (size_t i = 0; i < arrays->tet_count; i += stride) sum += fragments_of(arrays, frame, i);
-  return sum * (double)stride;
+  draw_counts counts = {.tets = (double)arrays->tet_count,
+                        .pixels = (double)frame->width * frame->height,
+                        .boundary_faces = (double)cellist_mesh_get_facts(mesh)->boundary_face_count};
+  size_t count = arrays->tet_count;
+  if (visible != NULL) {
+    count = 0;
+    for (size_t i = 0; i < arrays->tet_count; i++) count += visible[i];
+    counts.tets = (double)count;
+    counts.boundary_faces = (double)plan_count_boundary(arrays, visible);
+  }
+  const size_t stride = count / SAMPLES + 1;
+  for (size_t i = 0, seen = 0; i < arrays->tet_count; i++) {
+    if (visible != NULL && !visible[i]) continue;
+    if (seen++ % stride == 0) counts.fragments += (double)stride * fragments_of(arrays, frame, i);
+  }
+  return counts;
 }

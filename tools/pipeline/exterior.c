@@ -31,6 +31,9 @@ static const double GOOD_ENOUGH = 2;
 /* With more boundary faces than this, making an exterior takes minutes: gaps are ordered by overlap instead. */
 static const size_t DELAUNAY_FACES = 400000, CUT_FACES = 60000;
 
+/* What making an exterior takes, a boundary face (spx, bluntfin and post 20 us, gears_t 400). */
+static const double MAKING_FACE = 20000;
+
 enum { SAMPLE_VIEWS = 6 };
 
 struct cellist_order {
@@ -230,14 +233,14 @@ static cellist_viewpoint sample_view(const double bounds[6], int i) {
   return view;
 }
 
-/* Counts the work of the sample views. */
-static cellist_result count_work(cellist_order *order) {
+/* Counts the work of a view, by so many sample views. */
+static cellist_result count_work(cellist_order *order, int views) {
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(order->mesh);
   uint32_t *list = cellist_allocate(order->context, a->tet_count, sizeof *list);
   if (list == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   double work = 0;
   cellist_result result = CELLIST_SUCCESS;
-  for (int i = 0; i < SAMPLE_VIEWS && result == CELLIST_SUCCESS; i++) {
+  for (int i = 0; i < views && result == CELLIST_SUCCESS; i++) {
     const cellist_viewpoint view = sample_view(a->bounds, i);
     cellist_sort_stats stats = {0};
     result = cellist_sorter_sort(order->sorter, &view, list, &stats);
@@ -245,7 +248,7 @@ static cellist_result count_work(cellist_order *order) {
     work += CELL_WORK * (double)(a->tet_count + stats.imaginary_cell_count) + LINK_WORK * (double)stats.link_count +
             LEFT_WORK * (double)stats.left_cell_count + PAIR_WORK * (double)stats.gap_candidate_count;
   }
-  order->work = work / SAMPLE_VIEWS / (CELL_WORK * (double)a->tet_count);
+  order->work = work / views / (CELL_WORK * (double)a->tet_count);
   cellist_deallocate(order->context, list);
   return result;
 }
@@ -288,7 +291,7 @@ __attribute__((format(printf, 2, 3))) static void note_try(struct choice *choice
 
 /* Takes a candidate if it is better than the best. It belongs to the choice from here on. */
 static cellist_result consider(struct choice *choice, cellist_order *candidate) {
-  const cellist_result result = count_work(candidate);
+  const cellist_result result = count_work(candidate, SAMPLE_VIEWS);
   if (result != CELLIST_SUCCESS) {
     cellist_order_destroy(candidate);
     return result;
@@ -336,6 +339,21 @@ static cellist_result choose(cellist_order *plain, const cellist_order_desc *des
     return result;
   }
   return consider(choice, plain);
+}
+
+/* Whether making an exterior takes longer than the pictures to come would save by it. */
+static cellist_result is_too_dear(cellist_order *plain, const cellist_order_desc *desc, bool *dear) {
+  *dear = false;
+  if (desc->exterior != CELLIST_ORDER_AUTO || desc->needs_complex || desc->pictures == 0) return CELLIST_SUCCESS;
+  const cellist_result result = count_work(plain, 1);
+  const double plain_sort = CELL_WORK * (double)cellist_mesh_get_arrays(plain->mesh)->tet_count;
+  const double making = MAKING_FACE * (double)cellist_mesh_get_facts(plain->mesh)->boundary_face_count;
+  *dear = desc->pictures * (plain->work - 1) * plain_sort < making;
+  if (*dear)
+    snprintf(plain->facts.reason, sizeof plain->facts.reason,
+             "%u picture%s would not pay for an exterior: none %.2f (plain sort = 1), making one %.0f", desc->pictures,
+             desc->pictures > 1 ? "s" : "", plain->work, making / plain_sort);
+  return result;
 }
 
 /* What the mesh is given, after all that could be read. plain: as above. */
@@ -389,7 +407,11 @@ cellist_result cellist_order_create(cellist_context *context, const cellist_mesh
 #ifdef CELLIST_HAS_CONVEXIFY
     const struct keeper keeper = make_keeper(mesh, desc);
     result = read_kept(context, mesh, &keeper, &made);
-    if (result == CELLIST_SUCCESS && made == NULL)
+    bool dear = false;
+    if (result == CELLIST_SUCCESS && made == NULL) result = is_too_dear(plain, desc, &dear);
+    if (result == CELLIST_SUCCESS && dear)
+      made = plain;
+    else if (result == CELLIST_SUCCESS && made == NULL)
       result = make(plain, desc, &keeper, &made);
     else
       cellist_order_destroy(plain);

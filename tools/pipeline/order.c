@@ -17,6 +17,7 @@ static cellist_result make_sorter(cellist_pipeline *pipeline) {
     return cellist_peer_create(pipeline->context, &mesh, "centroid", &pipeline->peer);
   cellist_order_desc desc = pipeline->desc.order;
   desc.wanted = pipeline->visible;
+  if (desc.pictures == 0) desc.pictures = pipeline->desc.frames;
   if (pipeline->part != NULL && desc.exterior == CELLIST_ORDER_AUTO && !desc.needs_complex)
     desc.exterior = CELLIST_ORDER_NONE;
   const cellist_result result = cellist_order_create(pipeline->context, pipeline->drawn, &desc, &pipeline->sorted);

@@ -86,6 +86,7 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (result == CELLIST_SUCCESS) result = pipeline_load_transfer(created);
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
   if (result == CELLIST_SUCCESS) result = pipeline_make_surface(created);
+  if (result == CELLIST_SUCCESS) result = pipeline_look(created);
   if (result == CELLIST_SUCCESS) {
     created->renderer = pipeline_choose(created);
     result = pipeline_plan(created);

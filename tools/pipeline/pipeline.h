@@ -24,8 +24,8 @@ struct cellist_pipeline {
   const cellist_scalar *drawn_scalar; /* of drawn */
   cellist_mesh *part;                 /* what drawn is if it is not the whole mesh; else NULL */
   cellist_scalar part_scalar;
-  uint8_t *visible; /* [tets of the mesh] what stays in the order; NULL: all of drawn */
-  size_t visible_count;
+  uint8_t *visible;                 /* [tets of the mesh] what stays in the order; NULL: all of drawn */
+  size_t visible_count, kept_count; /* that can show something; that gradients need too */
   cellist_transfer transfer;
   cellist_pipeline_desc desc; /* its texts are not kept */
   cellist_renderer renderer;  /* never AUTO */
@@ -63,7 +63,9 @@ cellist_result pipeline_find_visible(const cellist_pipeline *pipeline, uint8_t *
 /* Marks also every tet that shares a point with a marked one. */
 cellist_result pipeline_grow_visible(const cellist_pipeline *pipeline, uint8_t *visible, size_t *count);
 
-/* plan.c: decides what is drawn; the renderer must have been chosen. */
+/* plan.c: marks the tets that can show something, which then decides how they are drawn. */
+cellist_result pipeline_look(cellist_pipeline *pipeline);
+/* Decides what is drawn; the renderer must have been chosen. */
 cellist_result pipeline_plan(cellist_pipeline *pipeline);
 /* Why the optics need no order, or NULL if they do. */
 const char *pipeline_order_free(const cellist_pipeline *pipeline);

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "costs.h"
 #include "pipeline.h"
 
 /* Cost of a boundary face, in tets. A sort looks at pairs of boundary faces across gaps: 0.7 to 1.2 us a face against
@@ -50,8 +51,7 @@ const char *pipeline_order_free(const cellist_pipeline *pipeline) {
   }
 }
 
-/* Faces of kept tets that have no kept tet behind them. */
-static size_t count_boundary(const cellist_mesh_arrays *mesh, const uint8_t *keep) {
+size_t plan_count_boundary(const cellist_mesh_arrays *mesh, const uint8_t *keep) {
   size_t count = 0;
   for (size_t i = 0; i < mesh->tet_count; i++)
     for (size_t k = 0; k < 4 && keep[i]; k++) {
@@ -64,7 +64,8 @@ static size_t count_boundary(const cellist_mesh_arrays *mesh, const uint8_t *kee
 static bool is_part_cheaper(const cellist_pipeline *pipeline, const uint8_t *keep, size_t kept) {
   const cellist_mesh_arrays *mesh = cellist_mesh_get_arrays(pipeline->mesh);
   const double whole_faces = (double)cellist_mesh_get_facts(pipeline->mesh)->boundary_face_count;
-  const double part = (double)kept, part_faces = (double)count_boundary(mesh, keep), whole = (double)mesh->tet_count;
+  const double part = (double)kept, part_faces = (double)plan_count_boundary(mesh, keep),
+               whole = (double)mesh->tet_count;
   if (pipeline->renderer == CELLIST_RENDERER_CAST)
     return part + CAST_FACE_COST * part_faces < whole + CAST_FACE_COST * whole_faces;
   /* The whole may turn out convex, so only tets count on its side. */
@@ -102,24 +103,30 @@ static bool needs_ring(const cellist_pipeline *pipeline) {
   return light->enabled && !light->cell_gradients && pipeline->scalar.association == CELLIST_ON_POINTS;
 }
 
-cellist_result pipeline_plan(cellist_pipeline *pipeline) {
+cellist_result pipeline_look(cellist_pipeline *pipeline) {
   const size_t tet_count = cellist_mesh_get_arrays(pipeline->mesh)->tet_count;
+  pipeline->visible_count = pipeline->kept_count = tet_count;
+  if (pipeline->desc.no_plan || tet_count == 0) return CELLIST_SUCCESS;
+  pipeline->visible = cellist_allocate(pipeline->context, tet_count, 1);
+  if (pipeline->visible == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  cellist_result result = pipeline_find_visible(pipeline, pipeline->visible, &pipeline->visible_count);
+  pipeline->kept_count = pipeline->visible_count;
+  if (result == CELLIST_SUCCESS && needs_ring(pipeline))
+    result = pipeline_grow_visible(pipeline, pipeline->visible, &pipeline->kept_count);
+  return result;
+}
+
+cellist_result pipeline_plan(cellist_pipeline *pipeline) {
+  const size_t tet_count = cellist_mesh_get_arrays(pipeline->mesh)->tet_count, kept = pipeline->kept_count;
   pipeline->drawn = pipeline->mesh;
   pipeline->drawn_scalar = &pipeline->scalar;
-  pipeline->visible_count = tet_count;
-  if (pipeline->desc.no_plan || tet_count == 0) return CELLIST_SUCCESS;
-  uint8_t *visible = cellist_allocate(pipeline->context, tet_count, 1);
-  if (visible == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
-  cellist_result result = pipeline_find_visible(pipeline, visible, &pipeline->visible_count);
-  size_t kept = pipeline->visible_count;
-  if (result == CELLIST_SUCCESS && needs_ring(pipeline)) result = pipeline_grow_visible(pipeline, visible, &kept);
-  if (result == CELLIST_SUCCESS && kept < tet_count && is_part_cheaper(pipeline, visible, kept)) {
-    result = make_part(pipeline, visible);
-  } else if (result == CELLIST_SUCCESS && kept < tet_count && pipeline->renderer != CELLIST_RENDERER_CAST) {
-    pipeline->visible = visible;
-    return CELLIST_SUCCESS;
-  }
-  cellist_deallocate(pipeline->context, visible);
+  cellist_result result = CELLIST_SUCCESS;
+  if (kept < tet_count && is_part_cheaper(pipeline, pipeline->visible, kept))
+    result = make_part(pipeline, pipeline->visible);
+  else if (kept < tet_count && pipeline->renderer != CELLIST_RENDERER_CAST)
+    return CELLIST_SUCCESS; /* they are taken out of the order */
+  cellist_deallocate(pipeline->context, pipeline->visible);
+  pipeline->visible = NULL;
   return result;
 }
 

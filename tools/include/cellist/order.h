@@ -30,6 +30,8 @@ typedef struct cellist_order_desc {
   const struct cellist_convexify_desc *convexify; /* how exteriors are made; which one stands above. Read during the
                                                      call only; NULL: the defaults, with seed 1 */
   bool needs_complex;                             /* AUTO: not NONE, unless no exterior can be made */
+  uint32_t pictures;           /* AUTO: how many there will be: too few for an exterior to pay get none, unless one is
+                                  kept already; 0: many */
   const uint8_t *wanted;       /* as cellist_sorter_create_subset, read during the call only; NULL: all tets */
   const char *cache_directory; /* where complexes are kept (made if it is not there), or NULL; a place that cannot be
                                   written is a warning */

@@ -83,7 +83,7 @@ typedef struct cellist_pipeline_desc {
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
   uint32_t width, height, frames;  /* size and number of the pictures to come, which AUTO chooses a renderer for; 0:
-                                      512 and 1 */
+                                      512 and many */
   cellist_order_desc order;        /* what cells are sorted with, where an exact order is needed */
   cellist_backend backend;         /* for faces and fan */
   cellist_framebuffer framebuffer; /* for faces and fan; maximum intensity is always drawn in floats */
@@ -145,6 +145,22 @@ CELLIST_API const cellist_scalar *cellist_pipeline_scalar(const cellist_pipeline
 /* About how many segments (cells on rays) a picture of a mesh has, without drawing it: what its cost depends on.
  * Threads: any. Cost: that of 20,000 tets at most. */
 CELLIST_API double cellist_pipeline_estimate_fragments(const cellist_mesh *mesh, const cellist_frame *frame);
+
+/* What a setting is expected to need. */
+typedef struct cellist_budget {
+  const char *name; /* the setting's, as in reports; belongs to the library */
+  double error;     /* root mean square: the worst that a report over real meshes shows */
+  double seconds;   /* a frame, without sorting, on the machine that was measured */
+} cellist_budget;
+
+/* Chooses how to draw a mesh in a frame: sets renderer, precision, integration and framebuffer of desc, whose optics
+ * must stand. error above 0: the cheapest setting that is expected to err by that at most; else the closest of those
+ * that are expected to take at most so many seconds on so many threads. Returns false if there is none; desc and
+ * budget then have the closest, or the fastest. By counts and constants, so that it repeats.
+ * Threads: any. Cost: that of cellist_pipeline_estimate_fragments. */
+CELLIST_API bool cellist_pipeline_budget(const cellist_mesh *mesh, const cellist_frame *frame, double error,
+                                         double seconds, unsigned threads, cellist_pipeline_desc *desc,
+                                         cellist_budget *budget);
 
 /* Draws one view.
  * Arrays: view may be NULL: the whole mesh, from azimuth 30.96 and elevation 34.45 degrees. *image is the caller's,

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Costs: what drawing a picture takes, counted, not clocked, so that choices repeat. Private to tools/pipeline/. */
+#ifndef CELLIST_TOOLS_PIPELINE_COSTS_H
+#define CELLIST_TOOLS_PIPELINE_COSTS_H
+
+#include <cellist/pipeline.h>
+
+/* What a picture's cost depends on. */
+typedef struct draw_counts {
+  double tets, fragments, pixels, boundary_faces;
+} draw_counts;
+
+/* A way to draw. Nanoseconds of one thread, without sorting. */
+typedef struct draw_cost {
+  const char *name; /* of the setting, as in reports */
+  cellist_renderer renderer;
+  cellist_precision precision;
+  bool is_lit, draws_every_model; /* not only emission-absorption and absorption */
+  double error;                   /* root mean square: the worst that a report shows on the sound real meshes */
+  double frame, tet, fragment, pixel, boundary_face;
+} draw_cost;
+
+/* estimate.c. visible: [tets of the mesh] those that count; NULL: all. */
+draw_counts draw_counts_of(const cellist_mesh *mesh, const cellist_frame *frame, const uint8_t *visible);
+/* plan.c: faces of kept tets that have no kept tet behind them. */
+size_t plan_count_boundary(const cellist_mesh_arrays *mesh, const uint8_t *keep);
+
+/* The costs of every way; *count of them. */
+const draw_cost *draw_costs(size_t *count);
+/* The one of a renderer, without light. */
+const draw_cost *draw_cost_of(cellist_renderer renderer, cellist_precision precision);
+
+/* Seconds of a picture on so many threads. */
+double draw_cost_seconds(const draw_cost *cost, const draw_counts *counts, unsigned threads);
+
+#endif
