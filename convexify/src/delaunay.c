@@ -211,6 +211,12 @@ static void build(work *w, const delaunay *d) {
   w->stats.exterior_facets = w->boundary.count;
 }
 
+/* No longjmp from here: the caller is C++. */
+static bool is_awaited(void *user) {
+  const work *w = user;
+  return cellist_progress(w->context, "convexifying", w->progress / PROGRESS_END) == CELLIST_SUCCESS;
+}
+
 static bool attempt(work *w, delaunay *d) {
   const size_t given = w->vertices.count;
   double_list *scaled = &w->box_scratch;
@@ -220,7 +226,10 @@ static bool attempt(work *w, delaunay *d) {
   work_reserve(w, &w->ids, 3 * w->boundary.count, sizeof *w->ids.items);
   for (size_t b = 0; b < w->boundary.count; b++)
     memcpy(&w->ids.items[3 * b], w->boundary.items[b].v, 3 * sizeof(uint32_t));
-  if (delaunay_compute(given, scaled->items, w->boundary.count, w->ids.items, &d->tets) != DELAUNAY_DONE) return false;
+  const delaunay_result done =
+      delaunay_compute(given, scaled->items, w->boundary.count, w->ids.items, is_awaited, w, &d->tets);
+  if (done == DELAUNAY_CANCELLED) work_fail(w, CELLIST_ERROR_CANCELLED);
+  if (done != DELAUNAY_DONE) return false;
   const size_t tets = d->tets.tet_count;
   d->corners = cellist_allocate(w->context, tets, 4 * sizeof *d->corners);
   d->mate = cellist_allocate(w->context, tets, 4 * sizeof *d->mate);

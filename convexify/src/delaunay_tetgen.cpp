@@ -7,6 +7,7 @@
 #include "delaunay_tetgen.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -107,6 +108,16 @@ delaunay_result tetrahedralise(size_t point_count, const double *positions, size
   _exit(ok ? 0 : 1);
 }
 
+// Until something can be read, or the other end is closed. False: nobody waits any more.
+bool wait_for(int from, delaunay_waiting waiting, void *user) {
+  for (;;) {
+    pollfd end = {from, POLLIN, 0};
+    const int ready = poll(&end, 1, DELAUNAY_PATIENCE);
+    if (ready > 0 || (ready < 0 && errno != EINTR)) return true;
+    if (ready == 0 && !waiting(user)) return false;
+  }
+}
+
 // The parent: takes what comes out of the pipe. A child that died before it was through is a surface refused.
 delaunay_result receive(int from, delaunay_tets *tets) {
   message_head head;
@@ -131,7 +142,7 @@ delaunay_result receive(int from, delaunay_tets *tets) {
 } // namespace
 
 delaunay_result delaunay_compute(size_t point_count, const double *positions, size_t triangle_count,
-                                 const uint32_t *triangles, delaunay_tets *tets) {
+                                 const uint32_t *triangles, delaunay_waiting waiting, void *user, delaunay_tets *tets) {
   int ends[2];
   if (pipe(ends) != 0) return DELAUNAY_REFUSED;
   const pid_t child = fork();
@@ -140,7 +151,13 @@ delaunay_result delaunay_compute(size_t point_count, const double *positions, si
     run_child(ends[1], point_count, positions, triangle_count, triangles);
   }
   close(ends[1]);
-  const delaunay_result result = child > 0 ? receive(ends[0], tets) : DELAUNAY_REFUSED;
+  delaunay_result result = DELAUNAY_REFUSED;
+  if (child > 0 && wait_for(ends[0], waiting, user)) {
+    result = receive(ends[0], tets);
+  } else if (child > 0) {
+    kill(child, SIGKILL);
+    result = DELAUNAY_CANCELLED;
+  }
   close(ends[0]);
   while (child > 0 && waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
   }

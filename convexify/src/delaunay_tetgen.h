@@ -4,6 +4,7 @@
 #ifndef CELLIST_DELAUNAY_TETGEN_H
 #define CELLIST_DELAUNAY_TETGEN_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -11,7 +12,16 @@
 extern "C" {
 #endif
 
-typedef enum delaunay_result { DELAUNAY_DONE, DELAUNAY_NO_MEMORY, DELAUNAY_REFUSED } delaunay_result;
+typedef enum delaunay_result {
+  DELAUNAY_DONE,
+  DELAUNAY_NO_MEMORY,
+  DELAUNAY_REFUSED,
+  DELAUNAY_CANCELLED
+} delaunay_result;
+
+/* Called every DELAUNAY_PATIENCE milliseconds while TetGen works; false ends it: CANCELLED. Must return. */
+enum { DELAUNAY_PATIENCE = 100 };
+typedef bool (*delaunay_waiting)(void *user);
 
 typedef struct delaunay_tets {
   void *handle;
@@ -25,7 +35,7 @@ typedef struct delaunay_tets {
  * positions: [3 point_count], distinct; triangles: [3 triangle_count]. What tets point to stays until
  * delaunay_release. REFUSED: TetGen does not take the surface. */
 delaunay_result delaunay_compute(size_t point_count, const double *positions, size_t triangle_count,
-                                 const uint32_t *triangles, delaunay_tets *tets);
+                                 const uint32_t *triangles, delaunay_waiting waiting, void *user, delaunay_tets *tets);
 void delaunay_release(delaunay_tets *tets);
 
 #ifdef __cplusplus

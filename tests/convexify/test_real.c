@@ -87,6 +87,39 @@ TEST(crushed_cans_are_refused_by_name)
   check_refused("can_hex.vtu", "cell");
 }
 
+static bool cancel_while_waiting(void *user, const char *stage, double fraction) {
+  struct {
+    double last;
+    int same;
+  } *seen = user;
+  if (strcmp(stage, "convexifying") != 0) return true;
+  seen->same = fraction == seen->last ? seen->same + 1 : 0;
+  seen->last = fraction;
+  return seen->same < 3;
+}
+
+/* TetGen takes seconds for this surface, in which nothing gets done that a fraction could tell. */
+TEST(tetgen_can_be_cancelled_while_it_works)
+{
+  struct {
+    double last;
+    int same;
+  } seen = {-1, 0};
+  const cellist_context_desc watched = {.progress = cancel_while_waiting, .progress_user = &seen};
+  cellist_context *context = NULL;
+  cellist_mesh *mesh = NULL;
+  const char *path = shared_data("gears_t.vtu");
+  assert_int_equal(cellist_context_create(&watched, &context), CELLIST_SUCCESS);
+  assert_success(context, cellist_mesh_read(context, path, NULL, &mesh));
+  const cellist_convexify_desc desc = {.exterior = CELLIST_EXTERIOR_DELAUNAY};
+  cellist_complex *complex = NULL;
+  assert_failure(context, cellist_convexify(context, mesh, &desc, &complex, NULL), CELLIST_ERROR_CANCELLED,
+                 "cancelled");
+  assert_null(complex);
+  cellist_mesh_destroy(mesh);
+  cellist_context_destroy(context);
+}
+
 static void check_sample(const char *name, size_t size, uint32_t parts, size_t most) {
   cellist_context *context = harness_context(1);
   const cellist_generate_desc desc = {.size = size, .parts = parts};

@@ -307,7 +307,8 @@ static bool watch_progress(void *user, const char *stage, double fraction) {
   return watch->left == 0 || --watch->left > 0;
 }
 
-/* One convexification, cancelled at call left of the progress function; 0: at none. */
+/* One convexification, cancelled at call left of the progress function; 0: at none. While TetGen works there are as
+ * many calls as it takes time: such a call may never come. */
 static struct watch convexify_watched(const shape *s, cellist_exterior exterior, long left) {
   struct watch watch = {.left = left, .in_order = true};
   const cellist_context_desc desc = {.progress = watch_progress, .progress_user = &watch};
@@ -318,7 +319,7 @@ static struct watch convexify_watched(const shape *s, cellist_exterior exterior,
   const cellist_convexify_desc how = {.exterior = exterior};
   cellist_complex *complex = NULL;
   const cellist_result result = cellist_convexify(context, mesh, &how, &complex, NULL);
-  if (left == 0) {
+  if (left == 0 || (exterior == CELLIST_EXTERIOR_DELAUNAY && watch.left > 0)) {
     assert_success(context, result);
   } else {
     assert_failure(context, result, CELLIST_ERROR_CANCELLED, "cancelled");
@@ -335,8 +336,10 @@ TEST(progress_goes_from_nothing_to_all_and_every_step_may_cancel)
   for (int exterior = 0; exterior < 4; exterior++) {
     const struct watch whole = convexify_watched(&TUNNEL, (cellist_exterior)exterior, 0);
     assert_true(whole.in_order && whole.last == 1 && whole.calls >= 5);
-    for (long call = 1; call <= whole.calls; call++)
-      assert_int_equal(convexify_watched(&TUNNEL, (cellist_exterior)exterior, call).calls, call);
+    for (long call = 1; call <= whole.calls; call++) {
+      const long calls = convexify_watched(&TUNNEL, (cellist_exterior)exterior, call).calls;
+      assert_true(exterior == CELLIST_EXTERIOR_DELAUNAY ? calls <= call : calls == call);
+    }
   }
 }
 
