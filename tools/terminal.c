@@ -7,11 +7,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "clock.h"
 
-enum { BAR_WIDTH = 30 };
+/* The bar, and what stands around it: a line that is wider than the terminal cannot be drawn over. */
+enum { BAR_WIDTH = 30, AROUND_BAR = 22 };
 static const double REDRAW_SECONDS = 0.1;
 
 static bool progress_is_shown;
@@ -33,9 +35,33 @@ void terminal_clear_progress(void) {
   progress_is_shown = false;
 }
 
+static int bar_width(void) {
+  struct winsize size;
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return BAR_WIDTH;
+  const int room = size.ws_col - AROUND_BAR;
+  return room > BAR_WIDTH ? BAR_WIDTH : room > 1 ? room : 1;
+}
+
+/* A stage that goes on after others have reported holds them: they are not shown until it is done. */
+static bool is_held(const char *stage, double fraction) {
+  static char latest[32], before[32], outer[32]; /* stages; outer "": none */
+  static double latest_fraction, before_fraction;
+  if (outer[0] != '\0' && strcmp(stage, outer) != 0) return true;
+  if (strcmp(stage, latest) != 0) {
+    if (strcmp(stage, before) == 0 && fraction > before_fraction) snprintf(outer, sizeof outer, "%s", stage);
+    memcpy(before, latest, sizeof before);
+    before_fraction = latest_fraction;
+    snprintf(latest, sizeof latest, "%s", stage);
+  }
+  latest_fraction = fraction;
+  if (fraction >= 1) outer[0] = '\0';
+  return false;
+}
+
 static bool show_progress(void *user, const char *stage, double fraction) {
   (void)user;
   const double now = clock_seconds();
+  if (is_held(stage, fraction)) return true;
   if (fraction >= 1) {
     terminal_clear_progress();
     return true;
@@ -43,9 +69,9 @@ static bool show_progress(void *user, const char *stage, double fraction) {
   if (now - last_drawn < REDRAW_SECONDS) return true;
   last_drawn = now;
   progress_is_shown = true;
-  const int filled = (int)(fraction * BAR_WIDTH);
-  fprintf(stderr, "\r%-12s [%.*s%*s] %3.0f %%", stage, filled, "##############################", BAR_WIDTH - filled, "",
-          100 * fraction);
+  const int width = bar_width(), filled = (int)(fraction * width);
+  fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", stage, filled, "##############################", width - filled, "",
+          (int)(100 * fraction));
   return true;
 }
 
