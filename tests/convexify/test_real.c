@@ -36,34 +36,33 @@ static void check_shared(const char *name, cellist_exterior exterior, uint64_t s
   harness_context_destroy(context);
 }
 
-/* Seeds of the hull, whose median must be at most cells, and one of each other exterior that takes a moderate time. */
-static void check_everywhere(const char *name, uint64_t seeds, size_t cells, bool tetgen) {
-  check_shared(name, CELLIST_EXTERIOR_HULL, seeds, cells, seeds > 1 ? 40 : 10);
-  check_shared(name, CELLIST_EXTERIOR_BOX, 1, SIZE_MAX, 10);
-  check_shared(name, CELLIST_EXTERIOR_GRID, 1, SIZE_MAX, 10);
-  if (tetgen) check_shared(name, CELLIST_EXTERIOR_DELAUNAY, 1, SIZE_MAX, 10);
+/* Three seeds of the hull, the median of whose cells must be at most this, and one of each other exterior. All seeds of
+ * all: bench_convexify -matrix. */
+static void check_everywhere(const char *name, size_t cells, int rays) {
+  check_shared(name, CELLIST_EXTERIOR_HULL, 3, cells, rays);
+  for (int exterior = 1; exterior < 4; exterior++) check_shared(name, (cellist_exterior)exterior, 1, SIZE_MAX, rays);
 }
 
 TEST(spx)
-{ check_everywhere("spx.vtu", 3, 800, true); }
+{ check_everywhere("spx.vtu", 800, 40); }
 TEST(bluntfin)
-{ check_shared("bluntfin.vtu", CELLIST_EXTERIOR_HULL, 3, 15, 3); }
+{ check_everywhere("bluntfin.vtu", 15, 4); }
 TEST(post)
-{ check_shared("post.vtu", CELLIST_EXTERIOR_HULL, 1, 1, 3); }
+{ check_everywhere("post.vtu", 1, 4); }
 TEST(octopus)
-{ check_everywhere("octopus_low.vtu", 3, 1000, true); }
+{ check_everywhere("octopus_low.vtu", 1000, 40); }
 TEST(torus_with_flat_tets)
-{ check_everywhere("torus_vt.vtu", 3, 400, true); }
+{ check_everywhere("torus_vt.vtu", 400, 40); }
 TEST(disk_out_ref)
-{ check_everywhere("disk_out_ref.vtu", 3, 103, true); }
+{ check_everywhere("disk_out_ref.vtu", 103, 20); }
 TEST(sci_torso)
-{ check_everywhere("sci_torso.vtu", 1, 2600, true); }
+{ check_everywhere("sci_torso.vtu", 2600, 10); }
 TEST(bunny)
-{ check_everywhere("bunny_in.vtu", 1, 6600, true); }
+{ check_everywhere("bunny_in.vtu", 6600, 10); }
 TEST(impeller)
-{ check_shared("impeller.vtu", CELLIST_EXTERIOR_HULL, 1, 10500, 5); }
+{ check_everywhere("impeller.vtu", 10500, 5); }
 TEST(gears_that_mesh)
-{ check_shared("gears_t.vtu", CELLIST_EXTERIOR_HULL, 1, 8300, 5); }
+{ check_everywhere("gears_t.vtu", 8300, 5); }
 TEST(bucky_is_convex)
 { check_shared("bucky.vtu", CELLIST_EXTERIOR_HULL, 1, 0, 2); }
 
