@@ -86,6 +86,8 @@ cellist_result gl_batch_send(gl_drawing *drawing, gl_stage stage, const uint32_t
 /* Runs that one call draws. */
 struct call {
   gl_stage stage;
+  unsigned traits;
+  uint32_t interval;
   GLint begins[64];
   GLsizei sizes[64], count;
 };
@@ -93,7 +95,7 @@ struct call {
 static cellist_result flush(gl_drawing *drawing, struct call *call) {
   if (call->count == 0) return CELLIST_SUCCESS;
   const cellist_gl *gl = drawing->gl;
-  const cellist_result result = gl_use_stage(drawing, call->stage);
+  const cellist_result result = gl_use_stage(drawing, call->stage, call->traits, call->interval);
   if (result != CELLIST_SUCCESS) return result;
   gl->api.BindVertexArray(call->stage == GL_STAGE_FAN ? gl->fan_vertices : gl->vertices);
   gl->api.MultiDrawArrays(GL_TRIANGLES, call->begins, call->sizes, call->count);
@@ -107,13 +109,17 @@ cellist_result gl_batch_draw(gl_drawing *drawing, size_t piece_count, gl_stage s
   cellist_result result = CELLIST_SUCCESS;
   for (size_t i = 0; i < piece_count; i++)
     for (size_t k = 0; k < gl->pieces[i].run_count && result == CELLIST_SUCCESS; k++) {
-      const gl_run *run = &gl->runs[gl->pieces[i].begin + k];
-      const gl_stage wanted = gl->pieces[i].is_group  ? GL_STAGE_SMALL_GROUP
+      const gl_piece *piece = &gl->pieces[i];
+      const gl_run *run = &gl->runs[piece->begin + k];
+      const gl_stage wanted = piece->is_group         ? GL_STAGE_SMALL_GROUP
                               : run->is_fan           ? GL_STAGE_FAN
                               : stage == GL_STAGE_FAN ? GL_STAGE_BLEND
                                                       : stage;
-      if (wanted != call.stage || call.count == 64) result = flush(drawing, &call);
+      if (wanted != call.stage || piece->traits != call.traits || piece->interval != call.interval || call.count == 64)
+        result = flush(drawing, &call);
       call.stage = wanted;
+      call.traits = piece->traits;
+      call.interval = piece->interval;
       call.begins[call.count] = (GLint)run->first;
       call.sizes[call.count++] = (GLsizei)run->count;
     }

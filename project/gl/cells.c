@@ -13,12 +13,12 @@
 
 #include "records.h"
 
-/* What counts as behind the eye without a near distance, relative to the mesh's size. It only tells where a cell can
- * be seen: a cell all of whose back faces lie nearer is lost. */
-static const double LEAST_SHARE = 1e-9;
+/* What counts as behind the eye without a near distance, in units. It only tells where a cell can be seen: a cell all
+ * of whose back faces lie nearer is lost. */
+static const double LEAST_DEPTH = 1e-9;
 
 /* Bits of a point: beyond each side of the view, before the near plane; and whether it is wild. */
-enum { OUTSIDE_VIEW = 31, OUTSIDE_WILD = 32 };
+enum { OUTSIDE_VIEW = 31, OUTSIDE_NEAR = 16, OUTSIDE_WILD = 32 };
 
 /* Of right, up, forward. */
 static int handedness_of(const cellist_frame *frame) {
@@ -57,11 +57,11 @@ static void transform_range(void *user, size_t begin, size_t end, unsigned worke
   (void)worker;
   gl_cells *cells = user;
   const cellist_frame *frame = &cells->frame;
-  const double half_width = 0.5 * frame->width, half_height = 0.5 * frame->height;
+  const double half_width = 0.5 * frame->width, half_height = 0.5 * frame->height, per_unit = 1 / cells->unit;
   for (size_t i = begin; i < end; i++) {
     const double *position = &cells->mesh->arrays->positions[3 * i];
-    double from_eye[3], *corner = cells->corners[i];
-    for (int k = 0; k < 3; k++) from_eye[k] = position[k] - frame->eye[k];
+    double from_eye[3], *corner = cells->points[i].at;
+    for (int k = 0; k < 3; k++) from_eye[k] = (position[k] - frame->eye[k]) * per_unit;
     corner[0] = corner[1] = corner[2] = 0;
     for (int k = 0; k < 3; k++) {
       corner[0] += from_eye[k] * frame->right[k];
@@ -71,38 +71,44 @@ static void transform_range(void *user, size_t begin, size_t end, unsigned worke
     corner[0] *= half_width / frame->half_width;
     corner[1] *= half_height / frame->half_height;
     const double w = frame->parallel ? 1 : corner[2];
-    cells->outside[i] = (uint8_t)((corner[0] < -half_width * w) | (corner[0] > half_width * w) << 1 |
-                                  (corner[1] < -half_height * w) << 2 | (corner[1] > half_height * w) << 3 |
-                                  (corner[2] < frame->near_distance) << 4 |
-                                  (gl_corner_is_wild(&cells->picture, corner) ? OUTSIDE_WILD : 0));
+    cells->points[i].outside = (uint32_t)((corner[0] < -half_width * w) | (corner[0] > half_width * w) << 1 |
+                                          (corner[1] < -half_height * w) << 2 | (corner[1] > half_height * w) << 3 |
+                                          (corner[2] < frame->near_distance) << 4 |
+                                          (gl_corner_is_wild(&cells->picture, corner) ? OUTSIDE_WILD : 0));
+    cells->points[i].scalar = cells->mesh->on_cells ? 0 : cells->mesh->scalars[i];
   }
 }
 
 void gl_cells_release(gl_cells *cells) {
-  cellist_deallocate(cells->context, cells->corners);
-  cellist_deallocate(cells->context, cells->outside);
+  cellist_deallocate(cells->context, cells->points);
   *cells = (gl_cells){0};
+}
+
+double gl_unit_of(const cellist_mesh_arrays *mesh) {
+  const double *bounds = mesh->bounds;
+  const double size = fmax(bounds[3] - bounds[0], fmax(bounds[4] - bounds[1], bounds[5] - bounds[2]));
+  return size > 0 && isfinite(size) ? ldexp(1, (int)fmax(-1000, fmin(1000, ilogb(size)))) : 1;
 }
 
 cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mesh, const cellist_frame *frame,
                               const gl_intervals *intervals, const gl_light *light, double margin, gl_cells *cells) {
   const size_t count = mesh->arrays->point_count;
-  const double *bounds = mesh->arrays->bounds;
-  gl_cells made = {.context = context, .mesh = mesh, .frame = *frame, .intervals = intervals};
-  const double size = fmax(bounds[3] - bounds[0], fmax(bounds[4] - bounds[1], bounds[5] - bounds[2]));
+  gl_cells made = {
+      .context = context, .mesh = mesh, .frame = *frame, .unit = gl_unit_of(mesh->arrays), .intervals = intervals};
+  made.frame.near_distance /= made.unit;
+  if (frame->parallel) {
+    made.frame.half_width /= made.unit;
+    made.frame.half_height /= made.unit;
+  }
   made.picture = (gl_picture){.half_width = 0.5 * frame->width,
                               .half_height = 0.5 * frame->height,
-                              .least_depth = fmax(0.5 * frame->near_distance, LEAST_SHARE * size),
+                              .least_depth = fmax(0.5 * made.frame.near_distance, LEAST_DEPTH),
                               .margin = margin,
                               .parallel = frame->parallel};
   made.light = *light;
   made.handedness = handedness_of(frame);
-  made.corners = cellist_allocate(context, count, sizeof *made.corners);
-  made.outside = cellist_allocate(context, count, 1);
-  if (made.corners == NULL || made.outside == NULL) {
-    gl_cells_release(&made);
-    return CELLIST_ERROR_OUT_OF_MEMORY;
-  }
+  made.points = cellist_allocate(context, count, sizeof *made.points);
+  if (made.points == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   *cells = made;
   cellist_parallel_for(context, count, 4096, transform_range, cells);
   return CELLIST_SUCCESS;
@@ -122,6 +128,9 @@ static bool find_shown(const gl_cells *cells, uint32_t tet, gl_shown *shown) {
   }
   shown->first = gl_interval_of(cells->intervals, low);
   shown->last = gl_interval_of(cells->intervals, high);
+  /* Of the interval below a knot, one point alone matters to an isosurface only. */
+  if (cells->intervals->model != CELLIST_MODEL_ISOSURFACES && shown->first < shown->last)
+    while (shown->first < shown->last && cells->intervals->knots[shown->first] <= low) shown->first++;
   return gl_intervals_show(cells->intervals, shown->first, shown->last);
 }
 
@@ -131,7 +140,8 @@ static unsigned classify(const gl_cells *cells, uint32_t tet) {
   const cellist_mesh_arrays *arrays = cells->mesh->arrays;
   const uint32_t *v = &arrays->tets[4 * (size_t)tet];
   if (arrays->tet_flags[tet] & CELLIST_TET_FLAT) return 0;
-  if (cells->outside[v[0]] & cells->outside[v[1]] & cells->outside[v[2]] & cells->outside[v[3]] & OUTSIDE_VIEW)
+  const gl_point *points = cells->points;
+  if (points[v[0]].outside & points[v[1]].outside & points[v[2]].outside & points[v[3]].outside & OUTSIDE_VIEW)
     return 0;
   unsigned sides = 0;
   for (unsigned k = 0; k < 4; k++) {
@@ -150,6 +160,7 @@ struct cell {
   uint32_t tet;
   gl_shown shown;
   unsigned sides;
+  uint32_t outside; /* of any corner */
   bool wild;
   const double *corner[4];
 };
@@ -161,9 +172,12 @@ static bool look_at(const gl_cells *cells, uint32_t tet, struct cell *cell) {
   cell->sides = classify(cells, tet);
   if (cell->sides == 0) return false;
   const uint32_t *v = &cells->mesh->arrays->tets[4 * (size_t)tet];
-  cell->wild =
-      (cells->outside[v[0]] | cells->outside[v[1]] | cells->outside[v[2]] | cells->outside[v[3]]) & OUTSIDE_WILD;
-  for (int k = 0; k < 4; k++) cell->corner[k] = cells->corners[v[k]];
+  cell->outside = 0;
+  for (int k = 0; k < 4; k++) {
+    cell->outside |= cells->points[v[k]].outside;
+    cell->corner[k] = cells->points[v[k]].at;
+  }
+  cell->wild = cell->outside & OUTSIDE_WILD;
   return true;
 }
 
@@ -194,6 +208,40 @@ static int write_fan(const gl_cells *cells, const struct cell *cell, float recor
   record->floats[3] = (float)cell->shown.last;
   gl_record_light(cells, cell->tet, record->floats);
   return gl_fan_of_tet(&cells->picture, cell->corner, cell->shown.scalars, cell->sides, record_id, out);
+}
+
+/* As THICK in exact.glsl, less what rounding may add. */
+static const float THICK = 0.4999f;
+
+/* Whether no segment in the cell is deeper than THICK, if its scalars lie in one interval: extinction is largest at an
+ * end, and no segment is longer than the longest edge. */
+static bool is_thin(const gl_cells *cells, const struct cell *cell) {
+  static const uint8_t ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+  const double across[2] = {cells->frame.half_width / cells->picture.half_width,
+                            cells->frame.half_height / cells->picture.half_height};
+  const float *texel = &cells->intervals->texels[GL_INTERVAL_FLOATS * (size_t)cell->shown.first];
+  double longest = 0;
+  for (int i = 0; i < 6; i++) {
+    const double *a = cell->corner[ends[i][0]], *b = cell->corner[ends[i][1]];
+    const double x = (b[0] - a[0]) * across[0], y = (b[1] - a[1]) * across[1], z = b[2] - a[2];
+    longest = fmax(longest, x * x + y * y + z * z);
+  }
+  float most = 0;
+  for (int k = 0; k < 4; k++) {
+    const float at = fmaxf(0, fminf(1, (cell->shown.scalars[k] - texel[0]) * texel[2]));
+    most = fmaxf(most, texel[7] + at * (texel[11] - texel[7]));
+  }
+  return most * (float)sqrt(longest) <= THICK;
+}
+
+/* What a cell adds to its piece's traits; interval: the piece's. */
+static unsigned traits_of(const gl_cells *cells, const struct cell *cell, bool has_extra, uint32_t interval) {
+  unsigned traits = has_extra || cell->outside & (OUTSIDE_WILD | OUTSIDE_NEAR) ? GL_PIECE_SPECIAL : 0;
+  if (cell->shown.first != cell->shown.last || cell->shown.first != interval)
+    traits |= GL_PIECE_MANY;
+  else if (!is_thin(cells, cell))
+    traits |= GL_PIECE_DEEP;
+  return traits;
 }
 
 struct job {
@@ -230,6 +278,8 @@ static void prepare_piece(const struct job *job, gl_piece *piece) {
   const gl_cells_output *output = job->output;
   uint32_t corner = 3 * GL_CELLS_TRIANGLES * piece->begin, fan_corner = 3 * GL_FAN_TRIANGLES * piece->begin;
   piece->run_count = piece->triangle_count = piece->cell_count = piece->left_count = 0;
+  piece->traits = piece->is_group ? GL_PIECE_ANY : 0;
+  piece->interval = 0;
   for (int k = 0; k < 2; k++) {
     piece->low[k] = 1;
     piece->high[k] = -1;
@@ -264,10 +314,15 @@ static void prepare_piece(const struct job *job, gl_piece *piece) {
     }
     if (record.has_extra || piece->is_group) memcpy(&output->extras[i], &record.extra, sizeof record.extra);
     if (count == 0) continue;
+    if (piece->cell_count == 0) piece->interval = cell.shown.first;
+    piece->traits |= traits_of(cells, &cell, record.has_extra, piece->interval);
     memcpy(output->records[i], record.floats, sizeof record.floats);
     if (output->lights != NULL) memcpy(output->lights[i], record.lights, sizeof record.lights);
     piece->cell_count++;
   }
+  if (!(piece->traits & GL_PIECE_MANY)) return;
+  piece->traits &= ~(unsigned)GL_PIECE_DEEP; /* one kind of call for all of them */
+  piece->interval = 0;
 }
 
 static void prepare_pieces(void *user, size_t begin, size_t end, unsigned worker) {

@@ -12,7 +12,7 @@
 #include "light.h"
 
 enum {
-  GL_RECORD_FLOATS = 28, /* seven texels a cell, see faces.frag */
+  GL_RECORD_FLOATS = 24, /* six texels a cell, see cell.glsl */
   GL_CELLS_GRAIN = 1024, /* cells of a piece, at most */
   GL_CELLS_TRIANGLES = 2 /* at most, of a cell */
 };
@@ -30,18 +30,33 @@ typedef struct gl_cells_mesh {
   float *scalars;       /* the same, scaled; NaN where not finite */
 } gl_cells_mesh;
 
-/* One frame. */
+/* A point as a frame has it, in one cache line's half. */
+typedef struct gl_point {
+  double at[3];     /* as gl_picture wants corners */
+  float scalar;     /* scaled, if scalars are on points */
+  uint32_t outside; /* OUTSIDE bits of cells.c */
+} gl_point;
+
+/* One frame. Lengths are in `unit`, so that single precision has their range whatever the mesh is measured in. */
 typedef struct gl_cells {
   cellist_context *context;
   const gl_cells_mesh *mesh;
-  cellist_frame frame;
+  cellist_frame frame; /* eye and axes as given; near_distance and the half sizes of a parallel view in units */
+  double unit;         /* a power of two: gl_unit_of the mesh */
   const gl_intervals *intervals;
   gl_light light;
   gl_picture picture;
-  int handedness;       /* of right, up, forward: 1 or -1 */
-  double (*corners)[3]; /* [point_count] as gl_picture wants them */
-  uint8_t *outside;     /* [point_count] OUTSIDE bits of cells.c */
+  int handedness;   /* of right, up, forward: 1 or -1 */
+  gl_point *points; /* [point_count] */
 } gl_cells;
+
+/* What a piece's cells ask of the program that draws them. */
+enum {
+  GL_PIECE_SPECIAL = 1, /* an extra, a wild corner or one before the near plane */
+  GL_PIECE_MANY = 2,    /* not all in one interval of the transfer function */
+  GL_PIECE_DEEP = 4,    /* segments deeper than THICK in exact.glsl */
+  GL_PIECE_ANY = 7
+};
 
 /* Part of an order that is prepared and drawn together: cells from far to near, or a small group. */
 typedef struct gl_piece {
@@ -51,6 +66,8 @@ typedef struct gl_piece {
   /* Filled in by gl_cells_prepare: runs, triangles, cells that show something, those of them that as_fans left to
    * footprints, and where the footprints are (-1..1). */
   uint32_t run_count, triangle_count, cell_count, left_count;
+  unsigned traits;   /* GL_PIECE bits */
+  uint32_t interval; /* if not GL_PIECE_MANY */
   float low[2], high[2];
 } gl_piece;
 
@@ -60,13 +77,14 @@ typedef struct gl_run {
   bool is_fan;
 } gl_run;
 
-/* What some records have beside them; written only where a record has faces seen edge-on or lies in a small group.
- * lines: for each of the record's first three corners whose opposite face is seen edge-on, the line of its picture:
- * constant, change per pixel in x and y from the image's centre, above 0 on the cell's side. The two cells that share
- * the face have the same numbers but for their sign, so that one of them owns a pixel on the line. */
+/* What some records have beside them; written only where a record has faces seen edge-on or back faces alone, or lies
+ * in a small group. lines: for each of three faces that is seen edge-on, the line of its picture: constant, change per
+ * pixel in x and y from the image's centre, above 0 on the cell's side. The two cells that share the face have the same
+ * numbers but for their sign, so that one of them owns a pixel on the line. */
 typedef struct gl_extra {
   float lines[3][4];
-  float first_record, member_count, unused[2]; /* of the small group */
+  float first_record, member_count; /* of the small group */
+  float only_backs, unused;
 } gl_extra;
 
 /* What gl_cells_prepare writes, one entry a cell of the order. */
@@ -82,6 +100,9 @@ typedef struct gl_cells_output {
 cellist_result gl_cells_mesh_make(cellist_context *context, const cellist_mesh *mesh, const cellist_scalar *scalar,
                                   gl_cells_mesh *made);
 void gl_cells_mesh_release(cellist_context *context, gl_cells_mesh *mesh);
+
+/* A power of two near the mesh's size; 1 for a mesh without one. */
+double gl_unit_of(const cellist_mesh_arrays *mesh);
 
 /* Transforms the points. mesh, intervals and the light's gradients are borrowed until gl_cells_release; margin is
  * gl_picture's. */

@@ -118,9 +118,9 @@ static void release_objects(cellist_gl *gl) {
   gl_surface_release(api, &gl->surface);
   gl_tables_release(gl->context, api, &gl->tables);
   gl_groups_release(gl);
-  const GLuint *programs = &gl->programs[0][0][0];
+  const gl_program *programs = &gl->programs[0][0][0];
   for (size_t i = 0; i < sizeof gl->programs / sizeof *programs; i++)
-    if (programs[i] != 0) api->DeleteProgram(programs[i]);
+    if (programs[i].name != 0) api->DeleteProgram(programs[i].name);
   const GLuint textures[] = {gl->record_texture, gl->extra_texture, gl->interval_texture, gl->light_texture};
   const GLuint buffers[] = {gl->record_buffer, gl->extra_buffer, gl->interval_buffer, gl->light_buffer,
                             gl->corner_buffer};
@@ -352,10 +352,10 @@ static cellist_result draw_surface(gl_drawing *drawing) {
   if (!by_gl) result = surface_layer_make(gl->context, surface, drawing->frame, light, &drawing->layer);
   api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
   if (result == CELLIST_SUCCESS)
-    result = gl_limits_make(gl->context, api, drawing->frame, &drawing->layer, by_gl, &gl->limits);
+    result = gl_limits_make(gl->context, api, drawing->frame, drawing->cells.unit, &drawing->layer, by_gl, &gl->limits);
   if (result != CELLIST_SUCCESS || !by_gl) return result;
-  result = gl_surface_draw(gl->context, api, surface, drawing->frame, light, gl->no_vertices, GL_UNIT_SURFACE,
-                           &gl->limits, &gl->surface, &drawing->layer);
+  result = gl_surface_draw(gl->context, api, surface, drawing->frame, drawing->cells.unit, light, gl->no_vertices,
+                           GL_UNIT_SURFACE, &gl->limits, &gl->surface, &drawing->layer);
   api->ActiveTexture(GL_TEXTURE0 + GL_UNIT_LIMITS);
   api->BindTexture(GL_TEXTURE_2D, gl->limits.behind);
   return result;
@@ -381,7 +381,7 @@ static cellist_result draw(gl_drawing *drawing, const uint32_t *order, cellist_i
   if (result == CELLIST_SUCCESS) result = gl_check_errors(gl, "drawing");
   if (result == CELLIST_SUCCESS)
     result = gl_target_read(gl->context, api, &gl->target, maximum ? drawing->transfer : NULL, gl->scale,
-                            &drawing->layer, image);
+                            drawing->cells.unit, &drawing->layer, image);
   return result;
 }
 
@@ -414,12 +414,14 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
   cellist_result result = check_arguments(gl, frame, order, order_count, settings, image);
   if (result != CELLIST_SUCCESS) return result;
 
+  gl->frame_count++;
   gl_drawing drawing = {
       .gl = gl, .frame = frame, .transfer = transfer, .settings = settings, .order_count = order_count};
   gl_light light;
   result = make_light(gl, frame, &settings->optics, &light);
   if (result != CELLIST_SUCCESS) return result;
-  result = gl_intervals_make(context, transfer, &settings->optics, gl->scale, &drawing.intervals);
+  result = gl_intervals_make(context, transfer, &settings->optics, gl->scale, gl_unit_of(gl->mesh.arrays),
+                             &drawing.intervals);
   if (result != CELLIST_SUCCESS) return result;
   /* Corners are moved by half a step each way, and have float's digits before. */
   const double margin = gl->subpixel + fmax(frame->width, frame->height) * FLT_EPSILON;

@@ -53,8 +53,9 @@ typedef struct gl_tables_use {
 cellist_result gl_tables_prepare(cellist_context *context, const gl_api *api, const gl_tables_use *use,
                                  gl_tables *tables);
 
-/* Binds them to texture units from `unit` on, up to three, and tells the program. */
-void gl_tables_bind(const gl_api *api, const gl_tables *tables, gl_integrator integrator, GLuint program, int unit);
+/* Binds them to texture units from first_unit on, up to three, and tells the program. length_unit: of its lengths. */
+void gl_tables_bind(const gl_api *api, const gl_tables *tables, gl_integrator integrator, double length_unit,
+                    GLuint program, int first_unit);
 
 /* With the OpenGL context current. */
 void gl_tables_release(cellist_context *context, const gl_api *api, gl_tables *tables);

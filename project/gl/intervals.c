@@ -8,6 +8,8 @@
 
 /* Knots further out than this many scalar ranges are as good as infinitely far, and their squares still fit a float. */
 static const double FAR_VALUE = 1e18;
+/* Per unit: nothing is seen through any of it, and what it is multiplied with fits a float. */
+static const double MOST_EXTINCTION = 1e30;
 
 gl_scale gl_scale_of(const cellist_scalar *scalar) {
   const double half_range = 0.5 * scalar->maximum - 0.5 * scalar->minimum;
@@ -26,12 +28,13 @@ static float scaled(gl_scale scale, double value) {
   return (float)fmax(fmin((value - scale.offset) * scale.factor, FAR_VALUE), -FAR_VALUE);
 }
 
-static void write_end(const cellist_transfer_knot *knot, bool black, float texel[4]) {
+static void write_end(const cellist_transfer_knot *knot, bool black, double unit, float texel[4]) {
   for (int c = 0; c < 3; c++) texel[c] = black ? 0 : (float)knot->colour[c];
-  texel[3] = (float)knot->extinction;
+  texel[3] = (float)fmin(knot->extinction * unit, MOST_EXTINCTION);
 }
 
-static void write_intervals(const cellist_transfer *transfer, bool black, gl_scale scale, gl_intervals *made) {
+static void write_intervals(const cellist_transfer *transfer, bool black, gl_scale scale, double unit,
+                            gl_intervals *made) {
   const size_t count = transfer->knot_count;
   made->visible[0] = 0;
   for (size_t i = 0; i < count; i++) {
@@ -45,8 +48,8 @@ static void write_intervals(const cellist_transfer *transfer, bool black, gl_sca
     texel[1] = i < count ? made->knots[above] : (float)FAR_VALUE;
     texel[2] = below < above && texel[1] > texel[0] ? 1 / (texel[1] - texel[0]) : 0;
     texel[3] = 0;
-    write_end(&transfer->knots[below], black, &texel[4]);
-    write_end(&transfer->knots[above], black, &texel[8]);
+    write_end(&transfer->knots[below], black, unit, &texel[4]);
+    write_end(&transfer->knots[above], black, unit, &texel[8]);
   }
 }
 
@@ -75,7 +78,7 @@ static cellist_result write_isosurfaces(cellist_context *context, const cellist_
 }
 
 cellist_result gl_intervals_make(cellist_context *context, const cellist_transfer *transfer,
-                                 const cellist_optics *optics, gl_scale scale, gl_intervals *intervals) {
+                                 const cellist_optics *optics, gl_scale scale, double unit, gl_intervals *intervals) {
   cellist_result result = cellist_transfer_check(context, transfer);
   if (result != CELLIST_SUCCESS) return result;
   const bool surfaces = optics->model == CELLIST_MODEL_ISOSURFACES;
@@ -90,7 +93,7 @@ cellist_result gl_intervals_make(cellist_context *context, const cellist_transfe
   else if (surfaces)
     result = write_isosurfaces(context, transfer, optics, scale, &made);
   else
-    write_intervals(transfer, optics->model == CELLIST_MODEL_ABSORPTION, scale, &made);
+    write_intervals(transfer, optics->model == CELLIST_MODEL_ABSORPTION, scale, unit, &made);
   if (result == CELLIST_SUCCESS)
     *intervals = made;
   else

@@ -25,10 +25,10 @@ typedef struct gl_intervals {
 
 gl_scale gl_scale_of(const cellist_scalar *scalar);
 
-/* Fails with INVALID_ARGUMENT (no knots, out of order, not finite, negative extinction, an isosurface's opacity out of
- * range) or OUT_OF_MEMORY. */
+/* unit: of lengths (gl_cells). Fails with INVALID_ARGUMENT (no knots, out of order, not finite, negative extinction, an
+ * isosurface's opacity out of range) or OUT_OF_MEMORY. */
 cellist_result gl_intervals_make(cellist_context *context, const cellist_transfer *transfer,
-                                 const cellist_optics *optics, gl_scale scale, gl_intervals *intervals);
+                                 const cellist_optics *optics, gl_scale scale, double unit, gl_intervals *intervals);
 void gl_intervals_release(cellist_context *context, gl_intervals *intervals);
 
 /* The interval of a scaled value: a knot's own value belongs to the interval below it. */

@@ -53,11 +53,11 @@ void gl_light_of_cell(const gl_light *light, const double *const corners[4], con
     out[1] = (float)(light->light.specular * pow(fabs(dot(gradient, light->halfway)) / length, light->light.shininess));
 }
 
-void gl_light_of_points(const gl_light *light, const uint32_t points[4], float out[GL_LIGHT_FLOATS]) {
+void gl_light_of_points(const gl_light *light, const uint32_t points[4], double out[4][3]) {
   for (int c = 0; c < 4; c++) {
     const double *gradient = &light->gradients[3 * (size_t)points[c]];
     const double largest = fmax(fmax(fabs(gradient[0]), fabs(gradient[1])), fabs(gradient[2]));
     const double unit = fmax(light->light.gradient_unit, largest / STEEP);
-    for (int k = 0; k < 3; k++) out[4 * k + c] = (float)(gradient[k] / unit);
+    for (int k = 0; k < 3; k++) out[c][k] = gradient[k] / unit;
   }
 }

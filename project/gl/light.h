@@ -6,7 +6,7 @@
 #include <cellist/optics.h>
 #include <cellist/view.h>
 
-enum { GL_LIGHT_FLOATS = 12 }; /* three texels a cell: x, y, z of the gradients at four corners */
+enum { GL_LIGHT_FLOATS = 12 }; /* three texels a cell: x, y, z as a field each, see cell.glsl */
 
 /* A frame's light. */
 typedef struct gl_light {
@@ -21,7 +21,7 @@ gl_light gl_light_of_frame(const cellist_optics *optics, const cellist_frame *fr
 /* What a colour is multiplied by, and the highlight that is added to it, in a tet with these corners and scalars. */
 void gl_light_of_cell(const gl_light *light, const double *const corners[4], const double scalars[4], float out[2]);
 
-/* The gradients at these points in the light's unit: x of all, y of all, z of all. */
-void gl_light_of_points(const gl_light *light, const uint32_t points[4], float out[GL_LIGHT_FLOATS]);
+/* The gradients at these points in the light's unit. */
+void gl_light_of_points(const gl_light *light, const uint32_t points[4], double out[4][3]);
 
 #endif

@@ -12,6 +12,7 @@ static const float FAR_OFF = 3e38f;
 
 struct job {
   const cellist_frame *frame;
+  double unit;
   const surface_layer *layer;
   float (*pixels)[2];
 };
@@ -29,6 +30,7 @@ static void fill_rows(void *user, size_t begin, size_t end, unsigned worker) {
       cellist_frame_ray(frame, (double)x + 0.5, (double)y + 0.5, origin, direction);
       cellist_frame_interval(frame, origin, direction, seen);
       if (job->layer->depth != NULL) seen[1] = fmin(seen[1], surface_layer_limit(job->layer, y * frame->width + x));
+      for (int k = 0; k < 2; k++) seen[k] /= job->unit;
       float *pixel = job->pixels[(frame->height - 1 - y) * frame->width + x];
       if (frame->parallel) {
         pixel[0] = bounded(seen[0]);
@@ -53,9 +55,9 @@ static void send(const gl_api *api, const struct job *job, GLuint *texture) {
                   GL_FLOAT, job->pixels);
 }
 
-cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame,
+cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame, double unit,
                               const surface_layer *layer, bool twice, gl_limits *limits) {
-  struct job job = {.frame = frame, .layer = layer};
+  struct job job = {.frame = frame, .unit = unit, .layer = layer};
   job.pixels = cellist_allocate(context, (size_t)frame->width * frame->height, sizeof *job.pixels);
   if (job.pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   cellist_parallel_for(context, frame->height, ROW_GRAIN, fill_rows, &job);

@@ -16,9 +16,9 @@ typedef struct gl_limits {
 
 /* Works out the limits of every pixel, in double precision, and leaves them in the texture, bound to GL_TEXTURE_2D of
  * the active unit: red the near one, green the far one (a clip plane or the layer), both as 1 / depth (parallel:
- * depth). twice: the second texture as well. Fails with OUT_OF_MEMORY. Cost: linear in pixels times clip planes; 8
- * bytes a pixel are sent. */
-cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame,
+ * depth), in the unit of lengths. twice: the second texture as well. Fails with OUT_OF_MEMORY. Cost: linear in pixels
+ * times clip planes; 8 bytes a pixel are sent. */
+cellist_result gl_limits_make(cellist_context *context, const gl_api *api, const cellist_frame *frame, double unit,
                               const surface_layer *layer, bool twice, gl_limits *limits);
 void gl_limits_release(const gl_api *api, gl_limits *limits);
 

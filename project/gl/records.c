@@ -13,6 +13,10 @@ static const double TINY_COORDINATE = 1e-12;
  * pixel lies. Larger: pixels in a face's picture lose the crossing from one cell to the other. Smaller: both cells at a
  * face, or neither, may draw a pixel. */
 static const double THIN_FACE = 1.0 / 4096;
+/* In 1 / depth (parallel: depth) and units, what is as good as infinitely far towards the eye; its square and what it
+ * is multiplied with fit a float. */
+static const double FAR_OFF = 1e18;
+
 static void cross(double out[3], const double a[3], const double b[3]) {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
@@ -21,7 +25,7 @@ static void cross(double out[3], const double a[3], const double b[3]) {
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* A pixel corner near the tet's picture, measured from the image's centre. Any is right, a near one loses no digits. */
+/* A pixel's centre near the tet's picture, measured from the image's. Any is right, a near one loses no digits. */
 static void choose_reference(const gl_cells *cells, const double *const corner[4], double reference[2]) {
   const bool parallel = cells->frame.parallel;
   const double limit[2] = {0.5 * cells->frame.width, 0.5 * cells->frame.height};
@@ -30,8 +34,7 @@ static void choose_reference(const gl_cells *cells, const double *const corner[4
   for (int axis = 0; axis < 2; axis++) {
     double sum = 0;
     for (int k = 0; k < 4 && in_front; k++) sum += parallel ? corner[k][axis] : corner[k][axis] / corner[k][2];
-    /* floor(+ limit) - limit keeps whole pixels of the window, whose centre may lie on half ones */
-    reference[axis] = floor(fmax(-limit[axis], fmin(limit[axis], 0.25 * sum)) + limit[axis]) - limit[axis];
+    reference[axis] = floor(fmax(-limit[axis], fmin(limit[axis], 0.25 * sum)) + limit[axis]) + 0.5 - limit[axis];
   }
 }
 
@@ -85,17 +88,31 @@ static unsigned choose_face(const gl_cells *cells, double p[4][3], unsigned side
   return best;
 }
 
-/* p: the corners, sheared so that the reference pixel lies at 0. */
-static void write_record(const gl_cells *cells, double p[4][3], const double eye[4], const gl_shown *shown,
-                         const double reference[2], unsigned k, float record[]) {
+/* A number that is linear in a cell, as the shader reads it: at the reference pixel on the back face's plane, its
+ * change per pixel in x and y there, and what it grows by on the way to the eye (cell.glsl). p, w, edge: as
+ * write_record. */
+static void write_field(double edge[3][3], const double eye[4], unsigned k, bool parallel, const double at[4],
+                        float out[3], float *growth) {
   const uint8_t *face = CELLIST_TET_FACE[k];
+  /* Relative to one corner, so that a constant is one to the last digit. */
+  double sum[3] = {0, 0, 0}, along = 0;
+  for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++) sum[j] += at[face[i]] * edge[i][j];
+  for (int c = 0; c < 4; c++) along += eye[c] * (at[c] - at[face[0]]);
+  for (int j = 0; j < 3; j++) out[j] = (float)sum[j];
+  *growth = (float)(parallel ? along : along + at[face[0]]);
+}
+
+/* p: the corners, sheared so that the reference pixel lies at 0. */
+static void write_record(const gl_cells *cells, uint32_t tet, double p[4][3], const double eye[4],
+                         const gl_shown *shown, const double reference[2], unsigned k, unsigned sides, unsigned lines,
+                         gl_record *out) {
+  const bool parallel = cells->frame.parallel;
+  const uint8_t *face = CELLIST_TET_FACE[k];
+  float *record = out->floats;
   double w[3];
-  for (int i = 0; i < 3; i++) w[i] = cells->frame.parallel ? 1 : p[face[i]][2];
-  record[0] = (float)(reference[0] + 0.5 * cells->frame.width);
-  record[1] = (float)(reference[1] + 0.5 * cells->frame.height);
-  record[2] = (float)shown->first;
-  record[3] = (float)shown->last;
-  double edge[3][3]; /* constant, x, y of each corner's edge function: 0 on the edge between the other two */
+  for (int i = 0; i < 3; i++) w[i] = parallel ? 1 : p[face[i]][2];
+  double edge[3][3]; /* constant, x, y of each corner's barycentric coordinate / depth on the face's plane */
   for (int i = 0; i < 3; i++) {
     const int m = (i + 1) % 3, n = (i + 2) % 3;
     const double *b = p[face[m]], *c = p[face[n]];
@@ -104,19 +121,53 @@ static void write_record(const gl_cells *cells, double p[4][3], const double eye
     edge[i][2] = w[m] * c[0] - b[0] * w[n];
   }
   const double determinant = w[0] * edge[0][0] + p[face[0]][0] * edge[0][1] + p[face[0]][1] * edge[0][2];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) edge[i][j] /= determinant;
+  /* The other faces, a front one (or one that does not end the ray) first. */
+  int first = 0;
+  while (first < 3 && sides & 1u << face[first] && !(lines & 1u << face[first])) first++;
+  out->only_backs = first == 3;
+  float planes[3][3];
+  bool is_back[3];
   for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 3; j++) record[4 + 4 * i + j] = (float)(edge[i][j] / determinant);
-    record[7 + 4 * i] = (float)eye[face[i]];
-    record[16 + i] = shown->scalars[face[i]];
-    record[20 + i] = (float)p[face[i]][2];
+    const int from = (first + i) % 3;
+    const bool is_line = lines & 1u << face[from];
+    is_back[i] = sides & 1u << face[from] && !is_line;
+    for (int j = 0; j < 3; j++) {
+      const double far_off = j == 0 ? FAR_OFF : 0;
+      planes[i][j] = is_line ? (float)far_off : (float)(edge[from][j] / -eye[face[from]]);
+    }
   }
-  record[19] = shown->scalars[k];
-  record[23] = (float)eye[k];
+  double scalars[4], depths[4];
+  for (int c = 0; c < 4; c++) {
+    scalars[c] = shown->scalars[c];
+    depths[c] = parallel ? p[c][2] : 1;
+  }
+  float unused;
+  write_field(edge, eye, k, parallel, depths, &record[4], &unused);
+  write_field(edge, eye, k, parallel, scalars, &record[8], &record[7]);
+  for (int axis = 0; axis < 2; axis++) {
+    const float at = (float)(reference[axis] + (axis == 0 ? 0.5 * cells->frame.width : 0.5 * cells->frame.height));
+    record[axis] = is_back[1 + axis] ? -at : at;
+  }
+  record[2] = (float)shown->first;
+  record[3] = (float)shown->last;
+  memcpy(&record[12], planes[0], sizeof planes[0]);
+  memcpy(&record[16], planes[1], sizeof planes[1]);
+  for (int j = 0; j < 3; j++) record[11 + 4 * j] = planes[2][j];
+  if (cells->light.gradients == NULL) return;
+  double gradients[4][3];
+  gl_light_of_points(&cells->light, &cells->mesh->arrays->tets[4 * (size_t)tet], gradients);
+  for (int axis = 0; axis < 3; axis++) {
+    double component[4];
+    for (int c = 0; c < 4; c++) component[c] = gradients[c][axis];
+    write_field(edge, eye, k, parallel, component, &out->lights[4 * axis], &out->lights[4 * axis + 3]);
+  }
 }
 
 void gl_record_light(const gl_cells *cells, uint32_t tet, float record[GL_RECORD_FLOATS]) {
-  record[24] = 1;
-  record[25] = record[26] = record[27] = 0;
+  record[20] = 1;
+  record[21] = record[22] = record[23] = 0;
   if (!cells->light.enabled || cells->light.gradients != NULL) return;
   const cellist_mesh_arrays *arrays = cells->mesh->arrays;
   const uint32_t *v = &arrays->tets[4 * (size_t)tet];
@@ -126,7 +177,7 @@ void gl_record_light(const gl_cells *cells, uint32_t tet, float record[GL_RECORD
     corners[k] = &arrays->positions[3 * (size_t)v[k]];
     scalars[k] = cells->mesh->values[cells->mesh->on_cells ? tet : v[k]];
   }
-  gl_light_of_cell(&cells->light, corners, scalars, &record[24]);
+  gl_light_of_cell(&cells->light, corners, scalars, &record[20]);
 }
 
 /* How far, in pixels, the pictures of points in a plane lie from the line in which the plane is seen edge-on: HUGE_VAL
@@ -154,7 +205,7 @@ static bool find_line(const gl_cells *cells, uint32_t tet, unsigned face, bool i
         id[j + 1] = kept;
         side = -side;
       }
-  const double *const p[3] = {cells->corners[id[0]], cells->corners[id[1]], cells->corners[id[2]]};
+  const double *const p[3] = {cells->points[id[0]].at, cells->points[id[1]].at, cells->points[id[2]].at};
   double u[3], v[3], n[3];
   for (int k = 0; k < 3; k++) {
     u[k] = p[1][k] - p[0][k];
@@ -178,8 +229,7 @@ void gl_record_write(const gl_cells *cells, uint32_t tet, const gl_shown *shown,
   const uint32_t *v = &cells->mesh->arrays->tets[4 * (size_t)tet];
   const double *corner[4];
   double reference[2], p[4][3], eye[4];
-  float *record = out->floats;
-  for (int k = 0; k < 4; k++) corner[k] = cells->corners[v[k]];
+  for (int k = 0; k < 4; k++) corner[k] = cells->points[v[k]].at;
   choose_reference(cells, corner, reference);
   for (int k = 0; k < 4; k++) { /* a shear keeps volumes */
     for (int axis = 0; axis < 2; axis++)
@@ -188,19 +238,21 @@ void gl_record_write(const gl_cells *cells, uint32_t tet, const gl_shown *shown,
   }
   eye_coordinates(p, cells->frame.parallel, sides, eye);
   const unsigned k = choose_face(cells, p, sides, wild);
-  write_record(cells, p, eye, shown, reference, k, record);
-  out->has_extra = false;
+  unsigned lines = 0;
   for (int i = 0; i < 3; i++) {
     const unsigned f = CELLIST_TET_FACE[k][i];
     float line[4];
     if (!find_line(cells, tet, f, !(sides & 17u << f), wild, line)) continue;
-    if (!out->has_extra) out->extra = (gl_extra){0};
+    if (lines == 0) out->extra = (gl_extra){0};
     memcpy(out->extra.lines[i], line, sizeof line);
-    out->has_extra = true;
+    lines |= 1u << f;
   }
-  if (out->has_extra) record[2] = -1 - record[2]; /* so the shader knows */
-  gl_record_light(cells, tet, record);
-  if (cells->light.gradients == NULL) return;
-  const uint8_t *face = CELLIST_TET_FACE[k];
-  gl_light_of_points(&cells->light, (const uint32_t[4]){v[face[0]], v[face[1]], v[face[2]], v[k]}, out->lights);
+  write_record(cells, tet, p, eye, shown, reference, k, sides, lines, out);
+  out->has_extra = lines != 0 || out->only_backs;
+  if (out->has_extra) {
+    if (lines == 0) out->extra = (gl_extra){0};
+    out->extra.only_backs = out->only_backs;
+    out->floats[2] = -1 - out->floats[2]; /* so the shader knows */
+  }
+  gl_record_light(cells, tet, out->floats);
 }

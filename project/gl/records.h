@@ -16,11 +16,11 @@ typedef struct gl_record {
   float floats[GL_RECORD_FLOATS];
   float lights[GL_LIGHT_FLOATS]; /* if the frame's light has gradients at points */
   gl_extra extra;
-  bool has_extra;
+  bool has_extra, only_backs; /* only_backs: no other face than back ones ends a ray */
 } gl_record;
 
 /* sides: bit k is set if the face opposite to corner k is a back face, bit 4 + k if it is a front face, exactly; wild:
- * a corner has no useful place in the picture. extra is written where a face is seen edge-on. */
+ * a corner has no useful place in the picture. extra is written where has_extra is set. */
 void gl_record_write(const gl_cells *cells, uint32_t tet, const gl_shown *shown, unsigned sides, bool wild,
                      gl_record *out);
 

@@ -27,15 +27,25 @@ typedef enum gl_stage {
 /* Members of a small group, at most: each fragment then looks at all of them. As MOST in small_groups.frag. */
 enum { GL_SMALL_GROUP = 16 };
 
-/* One program for each projection, with and without depth, with and without light by gradients at points, with and
- * without limits of rays. */
+/* What a program is made for: of the frame, then of what is drawn by one call. */
 enum {
   GL_VARIANT_PARALLEL = 1,
   GL_VARIANT_DEPTH = 2,
-  GL_VARIANT_LIT = 4,
-  GL_VARIANT_LIMITS = 8,
-  GL_VARIANT_COUNT = 16
+  GL_VARIANT_LIT = 4, /* by gradients at points */
+  GL_VARIANT_LIT_CELLS = 8,
+  GL_VARIANT_LIMITS = 16,
+  GL_VARIANT_PLAIN = 32,        /* nothing is GL_PIECE_SPECIAL */
+  GL_VARIANT_ONE_INTERVAL = 64, /* nothing is GL_PIECE_MANY */
+  GL_VARIANT_THIN = 128,        /* nor GL_PIECE_DEEP */
+  GL_VARIANT_COUNT = 256
 };
+
+/* A program keeps its uniforms: name 0: not built yet. */
+typedef struct gl_program {
+  GLuint name;
+  uint64_t frame;    /* whose uniforms it has */
+  uint32_t interval; /* and which interval's, if it is for one */
+} gl_program;
 
 /* Cells that are prepared and sent together: up to 296 bytes each then stay below 10 MB. */
 enum { GL_CHUNK_CELLS = 32768 };
@@ -71,7 +81,8 @@ struct cellist_gl {
   gl_target target;
   gl_limits limits;
   gl_surface surface;
-  GLuint programs[GL_STAGE_COUNT][GL_INTEGRATOR_COUNT][GL_VARIANT_COUNT];
+  uint64_t frame_count;
+  gl_program programs[GL_STAGE_COUNT][GL_INTEGRATOR_COUNT][GL_VARIANT_COUNT];
   GLuint query, vertices, fan_vertices, no_vertices;
   GLuint corner_buffer, fan_buffer;
   GLuint record_buffer, record_texture;
@@ -98,8 +109,7 @@ typedef struct gl_drawing {
   surface_layer layer; /* behind the cells; {0}: nothing */
   gl_intervals intervals;
   gl_cells cells;
-  bool set_up[GL_STAGE_COUNT]; /* the stage's uniforms have this frame's values */
-  GLuint program;              /* in use */
+  GLuint program; /* in use */
   cellist_gl_stats stats;
 } gl_drawing;
 
@@ -116,8 +126,9 @@ enum {
   GL_UNIT_SURFACE = GL_UNIT_TABLES + 3 /* five, see gl_surface_draw */
 };
 
-/* Makes the stage's program current, compiled when first used. */
-cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage);
+/* Makes the stage's program current, compiled when first used. traits: GL_PIECE bits of what it will draw;
+ * interval: if they do not hold GL_PIECE_MANY. */
+cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage, unsigned traits, uint32_t interval);
 
 /* Fails with the first error that OpenGL has recorded; what: was being done. */
 cellist_result gl_check_errors(cellist_gl *gl, const char *what);

@@ -40,10 +40,13 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
   }
   fragment[count++] = stages[stage].main;
   fragment[count] = NULL;
-  char defines[256];
-  snprintf(defines, sizeof defines, "%s%s%s%s", before, variant & GL_VARIANT_PARALLEL ? "#define PARALLEL\n" : "",
-           variant & GL_VARIANT_DEPTH ? "#define WITH_DEPTH\n" : "",
-           variant & GL_VARIANT_LIMITS ? "#define WITH_LIMITS\n" : "");
+  static const char *const names[] = {"#define PARALLEL\n",     "#define WITH_DEPTH\n",  "",
+                                      "#define LIT_CELLS\n",    "#define WITH_LIMITS\n", "#define PLAIN\n",
+                                      "#define ONE_INTERVAL\n", "#define THIN\n"};
+  char defines[512];
+  size_t length = (size_t)snprintf(defines, sizeof defines, "%s", before);
+  for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
+    if (variant & 1u << i) length += (size_t)snprintf(defines + length, sizeof defines - length, "%s", names[i]);
   return gl_program_build(gl->context, &gl->api, stages[stage].nodes != NULL ? 430 : 410, defines, vertex, fragment,
                           program);
 }
@@ -60,6 +63,16 @@ static void set_light(const gl_drawing *drawing, GLuint program) {
                  (float)light->light.specular, (float)light->light.shininess);
 }
 
+static void set_interval(const gl_drawing *drawing, uint32_t interval, GLuint program) {
+  const gl_api *api = &drawing->gl->api;
+  const float *texel = &drawing->intervals.texels[GL_INTERVAL_FLOATS * (size_t)interval];
+  const float *low = &texel[4], *high = &texel[8];
+  api->Uniform2f(api->GetUniformLocation(program, "interval_span"), texel[0], texel[2]);
+  api->Uniform4f(api->GetUniformLocation(program, "interval_low"), low[0], low[1], low[2], low[3]);
+  api->Uniform4f(api->GetUniformLocation(program, "interval_rise"), high[0] - low[0], high[1] - low[1],
+                 high[2] - low[2], high[3] - low[3]);
+}
+
 /* A program keeps its uniforms; those of this frame are set when it is first used in it. Names that a program does not
  * have are at -1, which OpenGL overlooks. */
 static void set_uniforms(const gl_drawing *drawing, gl_integrator integrator, GLuint program) {
@@ -74,29 +87,50 @@ static void set_uniforms(const gl_drawing *drawing, gl_integrator integrator, GL
   const cellist_frame *frame = drawing->frame;
   for (size_t i = 0; i < sizeof samplers / sizeof samplers[0]; i++)
     api->Uniform1i(api->GetUniformLocation(program, samplers[i].name), samplers[i].unit);
-  api->Uniform1f(api->GetUniformLocation(program, "near_distance"), (float)frame->near_distance);
+  api->Uniform1f(api->GetUniformLocation(program, "near_distance"), (float)drawing->cells.frame.near_distance);
   api->Uniform2f(api->GetUniformLocation(program, "centre"), 0.5f * (float)frame->width, 0.5f * (float)frame->height);
   api->Uniform2f(api->GetUniformLocation(program, "slope"), (float)(2 * frame->half_width / frame->width),
                  (float)(2 * frame->half_height / frame->height));
   api->Uniform1i(api->GetUniformLocation(program, "width"), (GLint)frame->width);
   if (drawing->cells.light.gradients != NULL) set_light(drawing, program);
-  gl_tables_bind(api, &drawing->gl->tables, integrator, program, GL_UNIT_TABLES);
+  gl_tables_bind(api, &drawing->gl->tables, integrator, drawing->cells.unit, program, GL_UNIT_TABLES);
 }
 
-cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage) {
+/* Cells are told apart by what they need only where the program gains by it. */
+static unsigned variant_of(const gl_drawing *drawing, gl_stage stage, gl_integrator integrator, unsigned traits) {
+  const gl_light *light = &drawing->cells.light;
+  unsigned variant = (drawing->frame->parallel ? GL_VARIANT_PARALLEL : 0) |
+                     (drawing->with_depth ? GL_VARIANT_DEPTH : 0) | (drawing->with_limits ? GL_VARIANT_LIMITS : 0);
+  if (light->gradients != NULL)
+    variant |= GL_VARIANT_LIT;
+  else if (light->enabled)
+    variant |= GL_VARIANT_LIT_CELLS;
+  if ((stage != GL_STAGE_BLEND && stage != GL_STAGE_FAN) || traits & GL_PIECE_SPECIAL) return variant;
+  variant |= GL_VARIANT_PLAIN;
+  if (integrator != GL_INTEGRATOR_EXACT || light->gradients != NULL || traits & GL_PIECE_MANY) return variant;
+  return variant | GL_VARIANT_ONE_INTERVAL | (traits & GL_PIECE_DEEP ? 0 : GL_VARIANT_THIN);
+}
+
+cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage, unsigned traits, uint32_t interval) {
   cellist_gl *gl = drawing->gl;
+  const gl_api *api = &gl->api;
   const gl_integrator integrator = gl_integrator_of(&drawing->settings->optics);
-  const unsigned variant =
-      (drawing->frame->parallel ? GL_VARIANT_PARALLEL : 0) | (drawing->with_depth ? GL_VARIANT_DEPTH : 0) |
-      (drawing->with_limits ? GL_VARIANT_LIMITS : 0) | (drawing->cells.light.gradients != NULL ? GL_VARIANT_LIT : 0);
-  GLuint *program = &gl->programs[stage][integrator][variant];
-  if (*program == 0) {
-    const cellist_result result = build(gl, stage, integrator, variant, program);
+  const unsigned variant = variant_of(drawing, stage, integrator, traits);
+  gl_program *program = &gl->programs[stage][integrator][variant];
+  if (program->name == 0) {
+    const cellist_result result = build(gl, stage, integrator, variant, &program->name);
     if (result != CELLIST_SUCCESS) return result;
   }
-  if (drawing->program != *program) gl->api.UseProgram(*program);
-  drawing->program = *program;
-  if (!drawing->set_up[stage]) set_uniforms(drawing, integrator, *program);
-  drawing->set_up[stage] = true;
+  if (drawing->program != program->name) api->UseProgram(program->name);
+  drawing->program = program->name;
+  if (program->frame != gl->frame_count) {
+    set_uniforms(drawing, integrator, program->name);
+    program->interval = UINT32_MAX;
+  }
+  program->frame = gl->frame_count;
+  if (variant & GL_VARIANT_ONE_INTERVAL && program->interval != interval) {
+    set_interval(drawing, interval, program->name);
+    program->interval = interval;
+  }
   return CELLIST_SUCCESS;
 }

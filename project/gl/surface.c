@@ -123,7 +123,7 @@ static void set_vector(const gl_api *api, GLuint program, const char *name, cons
 
 /* range: nearest and farthest depth of the surface's bounds. */
 static void set_uniforms(const gl_api *api, GLuint program, const cellist_surface *surface, const cellist_frame *frame,
-                         const cellist_light *light, const gl_surface *kept, const double range[2],
+                         double length_unit, const cellist_light *light, const gl_surface *kept, const double range[2],
                          unsigned first_unit) {
   static const char *const arrays[] = {"points", "normals", "colours", "triangles"};
   const double unit = kept->unit, size = frame->parallel ? unit : 1;
@@ -150,13 +150,14 @@ static void set_uniforms(const gl_api *api, GLuint program, const cellist_surfac
   api->Uniform2f(api->GetUniformLocation(program, "centre"), 0.5f * (float)frame->width, 0.5f * (float)frame->height);
   api->Uniform2f(api->GetUniformLocation(program, "slope"), (float)(2 * frame->half_width / frame->width / size),
                  (float)(2 * frame->half_height / frame->height / size));
-  api->Uniform1f(api->GetUniformLocation(program, "unit"), (float)unit);
+  api->Uniform1f(api->GetUniformLocation(program, "unit"), (float)(unit / length_unit));
   api->Uniform1f(api->GetUniformLocation(program, "least"), (float)(least / unit));
   const double span = range[1] > range[0] ? range[1] - range[0] : 1;
   if (frame->parallel)
-    api->Uniform2f(api->GetUniformLocation(program, "nearness"), (float)(range[0] - 0.01 * span), (float)(0.9 / span));
+    api->Uniform2f(api->GetUniformLocation(program, "nearness"), (float)((range[0] - 0.01 * span) / length_unit),
+                   (float)(0.9 / (span / length_unit)));
   else
-    api->Uniform2f(api->GetUniformLocation(program, "nearness"), (float)least, 0);
+    api->Uniform2f(api->GetUniformLocation(program, "nearness"), (float)(least / length_unit), 0);
   api->Uniform1i(api->GetUniformLocation(program, "smooth_shaded"),
                  cellist_surface_get_arrays(surface)->normals != NULL);
 }
@@ -176,7 +177,7 @@ static void find_range(const cellist_surface *surface, const cellist_frame *fram
 
 /* OpenGL's rows go up, a layer's go down. */
 static cellist_result read_layer(cellist_context *context, const gl_api *api, const cellist_frame *frame,
-                                 surface_layer *layer) {
+                                 double length_unit, surface_layer *layer) {
   const size_t width = frame->width, height = frame->height;
   float *pixels = cellist_allocate(context, width * height, 4 * sizeof *pixels);
   surface_layer made = {.width = frame->width, .height = frame->height};
@@ -193,7 +194,7 @@ static cellist_result read_layer(cellist_context *context, const gl_api *api, co
   for (size_t y = 0; y < height; y++)
     for (size_t x = 0; x < width; x++) {
       const float *pixel = &pixels[4 * ((height - 1 - y) * width + x)];
-      made.depth[y * width + x] = pixel[3] > 0 ? (double)pixel[3] : HUGE_VAL; /* cleared to 0 */
+      made.depth[y * width + x] = pixel[3] > 0 ? (double)pixel[3] * length_unit : HUGE_VAL; /* cleared to 0 */
       memcpy(&made.colours[3 * (y * width + x)], pixel, 3 * sizeof *pixel);
     }
   cellist_deallocate(context, pixels);
@@ -202,8 +203,9 @@ static cellist_result read_layer(cellist_context *context, const gl_api *api, co
 }
 
 cellist_result gl_surface_draw(cellist_context *context, const gl_api *api, const cellist_surface *surface,
-                               const cellist_frame *frame, const cellist_light *light, GLuint vertices,
-                               unsigned first_unit, gl_limits *limits, gl_surface *kept, surface_layer *layer) {
+                               const cellist_frame *frame, double length_unit, const cellist_light *light,
+                               GLuint vertices, unsigned first_unit, gl_limits *limits, gl_surface *kept,
+                               surface_layer *layer) {
   GLuint *program = &kept->programs[frame->parallel];
   cellist_result result = CELLIST_SUCCESS;
   if (*program == 0) {
@@ -221,12 +223,12 @@ cellist_result gl_surface_draw(cellist_context *context, const gl_api *api, cons
   const size_t count = cellist_surface_get_arrays(surface)->triangle_count;
   if (count > 0 && range[1] > 0) {
     api->UseProgram(*program);
-    set_uniforms(api, *program, surface, frame, light, kept, range, first_unit);
+    set_uniforms(api, *program, surface, frame, length_unit, light, kept, range, first_unit);
     api->ActiveTexture(GL_TEXTURE0 + first_unit + 4);
     api->BindTexture(GL_TEXTURE_2D, limits->texture);
     api->BindVertexArray(vertices);
     api->DrawArrays(GL_TRIANGLES, 0, (GLsizei)(3 * count));
   }
   api->Disable(GL_DEPTH_TEST);
-  return read_layer(context, api, frame, layer);
+  return read_layer(context, api, frame, length_unit, layer);
 }

@@ -25,13 +25,15 @@ typedef struct gl_surface {
 bool gl_surface_fits(const gl_api *api, const cellist_surface *surface);
 
 /* Draws the surface within the frame's limits, which are in limits->texture, and replaces them by limits that end at
- * the surface; reads what was drawn into the layer, which is the caller's. vertices: an array without attributes. The
- * framebuffer, the program and the textures of the units from first_unit to first_unit + 4 are others afterwards.
- * Fails with GRAPHICS or OUT_OF_MEMORY. Cost: linear in triangles and pixels; an unchanged surface is not sent again.
+ * the surface; reads what was drawn into the layer, which is the caller's. length_unit: that of the limits. vertices:
+ * an array without attributes. The framebuffer, the program and the textures of the units from first_unit to first_unit
+ * + 4 are others afterwards. Fails with GRAPHICS or OUT_OF_MEMORY. Cost: linear in triangles and pixels; an unchanged
+ * surface is not sent again.
  */
 cellist_result gl_surface_draw(cellist_context *context, const gl_api *api, const cellist_surface *surface,
-                               const cellist_frame *frame, const cellist_light *light, GLuint vertices,
-                               unsigned first_unit, gl_limits *limits, gl_surface *kept, surface_layer *layer);
+                               const cellist_frame *frame, double length_unit, const cellist_light *light,
+                               GLuint vertices, unsigned first_unit, gl_limits *limits, gl_surface *kept,
+                               surface_layer *layer);
 void gl_surface_release(const gl_api *api, gl_surface *kept);
 
 #endif

@@ -140,19 +140,21 @@ cellist_result gl_tables_prepare(cellist_context *context, const gl_api *api, co
   return CELLIST_SUCCESS;
 }
 
-void gl_tables_bind(const gl_api *api, const gl_tables *tables, gl_integrator integrator, GLuint program, int unit) {
+void gl_tables_bind(const gl_api *api, const gl_tables *tables, gl_integrator integrator, double length_unit,
+                    GLuint program, int first_unit) {
   if (integrator == GL_INTEGRATOR_PSI) {
-    api->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
+    api->ActiveTexture(GL_TEXTURE0 + (GLenum)first_unit);
     api->BindTexture(GL_TEXTURE_2D, tables->psi);
-    api->Uniform1i(api->GetUniformLocation(program, "psi"), unit);
+    api->Uniform1i(api->GetUniformLocation(program, "psi"), first_unit);
   } else if (integrator == GL_INTEGRATOR_TABLE) {
     static const char *const names[3] = {"ambient_table", "front_table", "back_table"};
     for (int i = 0; i < (tables->desc.lit ? 3 : 1); i++) {
-      api->ActiveTexture(GL_TEXTURE0 + (GLenum)(unit + i));
+      api->ActiveTexture(GL_TEXTURE0 + (GLenum)(first_unit + i));
       api->BindTexture(GL_TEXTURE_3D, tables->textures[i]);
-      api->Uniform1i(api->GetUniformLocation(program, names[i]), unit + i);
+      api->Uniform1i(api->GetUniformLocation(program, names[i]), first_unit + i);
     }
-    api->Uniform1f(api->GetUniformLocation(program, "per_length_unit"), (float)(1 / tables->desc.length_unit));
+    api->Uniform1f(api->GetUniformLocation(program, "per_length_unit"),
+                   (float)(length_unit / tables->desc.length_unit));
   }
 }
 

@@ -87,14 +87,14 @@ cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_t
 }
 
 /* OpenGL's rows go up, an image's go down. */
-static void copy_channel(const gl_target *target, const float *pixels, size_t components, size_t component, float sign,
-                         cellist_image *image, const char *name) {
+static void copy_channel(const gl_target *target, const float *pixels, size_t components, size_t component,
+                         double factor, cellist_image *image, const char *name) {
   float *plane = cellist_image_channel(image, name);
   if (plane == NULL) return;
   for (size_t y = 0; y < target->height; y++)
     for (size_t x = 0; x < target->width; x++)
       plane[y * target->width + x] =
-          sign * pixels[((target->height - 1 - y) * target->width + x) * components + component];
+          (float)(factor * (double)pixels[((target->height - 1 - y) * target->width + x) * components + component]);
 }
 
 static void put_depth_behind(const surface_layer *layer, cellist_image *image) {
@@ -107,7 +107,7 @@ static void put_depth_behind(const surface_layer *layer, cellist_image *image) {
 }
 
 cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
-                              const cellist_transfer *transfer, gl_scale scale, const surface_layer *layer,
+                              const cellist_transfer *transfer, gl_scale scale, double unit, const surface_layer *layer,
                               cellist_image *image) {
   static const char *const names[4] = {"R", "G", "B", "A"};
   float *pixels = cellist_allocate(context, (size_t)target->width * target->height, 4 * sizeof *pixels);
@@ -130,8 +130,8 @@ cellist_result gl_target_read(cellist_context *context, const gl_api *api, const
   if (target->with_depth) {
     api->ReadBuffer(GL_COLOR_ATTACHMENT1);
     api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RG, GL_FLOAT, pixels);
-    copy_channel(target, pixels, 2, 0, -1, image, "Z");
-    copy_channel(target, pixels, 2, 1, 1, image, "ZBack");
+    copy_channel(target, pixels, 2, 0, -unit, image, "Z");
+    copy_channel(target, pixels, 2, 1, unit, image, "ZBack");
     put_depth_behind(layer, image);
   }
   cellist_deallocate(context, pixels);

@@ -25,10 +25,11 @@ cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_t
 void gl_target_use(const gl_api *api, const gl_target *target, bool maximum);
 
 /* Copies what was drawn into the image's channels of the names R G B A, Z, ZBack; with a transfer function, the colours
- * of the scaled scalars that stand in red where alpha is not 0. The layer is put behind it. Fails with OUT_OF_MEMORY.
+ * of the scaled scalars that stand in red where alpha is not 0. unit: of depths. The layer is put behind it. Fails with
+ * OUT_OF_MEMORY.
  */
 cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
-                              const cellist_transfer *transfer, gl_scale scale, const surface_layer *layer,
+                              const cellist_transfer *transfer, gl_scale scale, double unit, const surface_layer *layer,
                               cellist_image *image);
 
 void gl_target_release(const gl_api *api, gl_target *target);

@@ -1,30 +1,47 @@
 // Cells of renderer `faces`: on each pixel of a cell's footprint, where the ray leaves the cell through a back face
-// and where it came in. All is said in barycentric coordinates, which know no cancellation: along the ray towards the eye they
-// change linearly from those at a back face (0 for the corner opposite to it) to those of the eye, and the entry is
-// where the first one reaches 0. So the length of the segment is 0 at a silhouette without a subtraction, however thin
-// the cell.
+// and where it came in. Places on a ray are told by t, the difference of 1 / depth from that at one back face's plane
+// (parallel: of depth, towards the eye). In t everything is linear in the picture: where the ray meets each other face,
+// scalar / depth, gradient / depth. So a cell is a few triples of numbers (value at a pixel near the cell, change per
+// pixel in x and y), made in double precision (records.c), and the length of the segment is 0 at a silhouette without a
+// subtraction, however thin the cell.
 //
-// A record of seven texels a cell, made in double precision (cells.c), speaks of one back face and its opposite corner:
-//   0  pixel to which the next three refer, first and last interval of the transfer function in the cell; the first is
-//      -1 - itself if the cell has faces seen edge-on
-//   1-3 one corner of the face each: its barycentric coordinate / depth at that pixel, the change per pixel in x and
-//      in y (parallel: not divided by depth); the eye's coordinate (parallel: the change per unit towards the eye)
-//   4  the scalar at the three corners and at the opposite one
-//   5  depth of the three corners; the eye's coordinate of the opposite one
-//   6  what light multiplies colours by, and the highlight it adds (1 and 0 without light)
+// A record of six texels a cell:
+//   0  that pixel's centre, x negative if face 1 is a back face and y if face 2 is; first and last interval of the
+//      transfer function in the cell; the first is -1 - itself if the cell has an extra (gl_extra)
+//   1  the back face's plane: 1 / depth (parallel: depth); by how much the scalar / depth grows with t
+//   2  scalar / depth at that plane (parallel: scalar); first number of face 2
+//   3  face 0, always a front face but where an extra says otherwise: t; second number of face 2
+//   4  face 1; third number of face 2
+//   5  what light multiplies colours by, and the highlight it adds, if there is light on cells' own gradients
+// A face seen edge-on has an infinite t; its extra tells on which side of it a pixel lies.
 uniform samplerBuffer records;
-uniform samplerBuffer extras; // four texels a cell, for some: see gl_extra
 flat in int record;
+flat in vec4 record0, record1, record2, record3, record4;
+#ifdef LIT_CELLS
+flat in vec4 record5;
+#endif
 uniform vec2 centre;         // of the image, in pixels
 uniform vec2 slope;          // across one pixel at depth 1
 #ifdef WITH_LIMITS
 uniform sampler2D limits;    // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
-#else
+#endif
+#ifndef PLAIN                // no cell of the batch has an extra or lies at the near plane
+uniform samplerBuffer extras;
 uniform float near_distance;
 #endif
 
-const float BIG = 3.0e38;
+const float BIG = 1.0e18; // as FAR_OFF in records.c
 
+struct cell {
+  vec4 head, base, field, face0, face1, light;
+};
+
+// A field's value on the plane, t further towards the eye, where 1 / depth is 1 / scale.
+float along(vec3 field, float growth, vec2 offset, float t, float scale) {
+  return (field.x + field.y * offset.x + field.z * offset.y + growth * t) * scale;
+}
+
+#ifndef PLAIN
 // Whether a pixel lies on the cell's side of a face seen edge-on. On the line itself the pixel counts as moved by an
 // infinitesimal to the right, and by a smaller one upwards: so one of the cells at a face owns it, and of those at an
 // edge too.
@@ -32,93 +49,114 @@ bool owns(vec4 line, vec2 pixel) {
   precise float at = line.x + line.y * (pixel.x - centre.x) + line.z * (pixel.y - centre.y);
   return (at != 0.0 ? at : line.y != 0.0 ? line.y : line.z) > 0.0;
 }
+#endif
 
-// Where the ray of a pixel meets the cell of a record; false if it does not.
-bool meet(int record, vec2 pixel, out segment met) {
-  int at = 7 * record;
-  vec4 head = texelFetch(records, at);
-  vec4 a = texelFetch(records, at + 1);
-  vec4 b = texelFetch(records, at + 2);
-  vec4 c = texelFetch(records, at + 3);
-  vec4 scalar = texelFetch(records, at + 4);
-  vec4 tail = texelFetch(records, at + 5);
-  vec4 light = texelFetch(records, at + 6);
-
-  vec2 offset = pixel - head.xy;
-  vec3 weight = vec3(a.x + dot(a.yz, offset), b.x + dot(b.yz, offset), c.x + dot(c.yz, offset));
-  vec3 eye_weight = vec3(a.w, b.w, c.w);
-  // How far before the face's plane the ray leaves and enters the cell: in perspective as a difference of 1 / depth,
-  // in parallel of depth. It leaves before the plane where another back face is nearer, or where it never meets the
-  // plane (sum < 0).
-  float sum = weight.x + weight.y + weight.z;
+// Where the ray of a pixel meets a cell; false if it does not.
+bool meet_cell(cell c, int record, vec2 pixel, out segment met) {
+  vec2 offset = pixel - abs(c.head.xy);
+  float plane = c.base.x + c.base.y * offset.x + c.base.z * offset.y;
+  float t0 = c.face0.x + c.face0.y * offset.x + c.face0.z * offset.y;
+  float t1 = c.face1.x + c.face1.y * offset.x + c.face1.z * offset.y;
+  float t2 = c.field.w + c.face0.w * offset.x + c.face1.w * offset.y;
+  float entry = t0;
   float exit = 0.0;
-#ifdef WITH_LIMITS
-  vec2 seen_between = texelFetch(limits, ivec2(pixel), 0).xy;
-#endif
-#ifdef PARALLEL
-  weight /= sum;
-  float face_depth = dot(weight, tail.xyz);
-#ifdef WITH_LIMITS
-  float entry = face_depth - seen_between.x;
-  exit = max(exit, face_depth - seen_between.y);
-#else
-  float entry = face_depth - near_distance;
-#endif
-#else
-#ifdef WITH_LIMITS
-  float entry = seen_between.x - sum;
-  exit = max(exit, seen_between.y - sum);
-#else
-  float entry = near_distance > 0.0 ? 1.0 / near_distance - sum : BIG;
-#endif
-#endif
-  vec3 height = weight, speed = eye_weight; // what decides: of a face seen edge-on, the side alone
-  if (head.z < 0.0) {
-    head.z = -1.0 - head.z;
+  bool inside = true;
+#ifndef PLAIN
+  if (c.head.z < 0.0) {
+    c.head.z = -1.0 - c.head.z;
     for (int i = 0; i < 3; i++) {
       vec4 line = texelFetch(extras, 4 * record + i);
-      if (line.w == 0.0) continue;
-      height[i] = owns(line, pixel) ? 0.0 : -1.0;
-      speed[i] = 0.0;
+      if (line.w != 0.0 && !owns(line, pixel)) inside = false;
+    }
+    if (texelFetch(extras, 4 * record + 3).z != 0.0) { // back faces alone
+      exit = max(exit, t0);
+      entry = BIG;
     }
   }
-  for (int i = 0; i < 3; i++) {
-    if (speed[i] < 0.0)
-      entry = min(entry, max(height[i], 0.0) / -speed[i]);
-    else if (height[i] < 0.0)
-      exit = speed[i] > 0.0 ? max(exit, -height[i] / speed[i]) : BIG;
-  }
-  bool inside = entry > exit;
-
+#endif
+  if (c.head.x < 0.0)
+    exit = max(exit, t1);
+  else
+    entry = min(entry, t1);
+  if (c.head.y < 0.0)
+    exit = max(exit, t2);
+  else
+    entry = min(entry, t2);
+#ifdef WITH_LIMITS
+  vec2 seen_between = texelFetch(limits, ivec2(pixel), 0).xy;
 #ifdef PARALLEL
-  vec3 exit_weight = weight + eye_weight * exit;
-  vec3 entry_weight = weight + eye_weight * entry;
-  float exit_opposite = tail.w * exit;
-  float entry_opposite = tail.w * entry;
-  met.exit_depth = face_depth - exit;
+  entry = min(entry, plane - seen_between.x);
+  exit = max(exit, plane - seen_between.y);
+#else
+  entry = min(entry, seen_between.x - plane);
+  exit = max(exit, seen_between.y - plane);
+#endif
+#elif !defined(PLAIN)
+#ifdef PARALLEL
+  entry = min(entry, plane - near_distance);
+#else
+  if (near_distance > 0.0) entry = min(entry, 1.0 / near_distance - plane);
+#endif
+#endif
+  inside = inside && entry > exit;
+  met.range = ivec2(c.head.zw);
+#ifdef PARALLEL
+  const float exit_scale = 1.0, entry_scale = 1.0;
+  met.exit_depth = plane - exit;
   met.thickness = entry - exit;
   met.len = met.thickness;
 #else
-  float at_exit = sum + exit;
+  float at_exit = plane + exit, at_entry = plane + entry;
+#ifndef PLAIN
   inside = inside && at_exit > 0.0;
-  met.exit_depth = 1.0 / at_exit;
-  vec3 exit_weight = (weight + eye_weight * exit) * met.exit_depth;
-  float exit_opposite = tail.w * exit * met.exit_depth;
-  float before = 1.0 / (sum + entry); // depth of the entry
-  float share = entry < BIG ? entry * before : 1.0;
-  vec3 entry_weight = weight * before + eye_weight * share;
-  float entry_opposite = tail.w * share;
-  met.thickness = met.exit_depth * (share - exit * before);
+#endif
+  float both = 1.0 / (at_exit * at_entry);
+  float exit_scale = both * at_entry, entry_scale = both * at_exit; // the depths
+  met.exit_depth = exit_scale;
+  met.thickness = (entry - exit) * both;
   met.len = met.thickness * length(vec3((pixel - centre) * slope, 1.0));
 #endif
-  met.front = dot(entry_weight, scalar.xyz) + entry_opposite * scalar.w;
-  met.back = dot(exit_weight, scalar.xyz) + exit_opposite * scalar.w;
+  met.front = along(c.field.xyz, c.base.w, offset, entry, entry_scale);
+  met.back = along(c.field.xyz, c.base.w, offset, exit, exit_scale);
 #ifdef LIT
-  set_gradients(record, vec4(entry_weight, entry_opposite), vec4(exit_weight, exit_opposite));
+  for (int i = 0; i < 3; i++) {
+    vec4 gradient = texelFetch(lights, 3 * record + i);
+    gradient_front[i] = along(gradient.xyz, gradient.w, offset, entry, entry_scale);
+    gradient_back[i] = along(gradient.xyz, gradient.w, offset, exit, exit_scale);
+  }
 #endif
-  met.range = ivec2(head.zw);
-  met.light = light.xy;
+#ifdef LIT_CELLS
+  met.light = c.light.xy;
+#endif
   return inside;
 }
 
-bool meet_here(out segment met) { return meet(record, gl_FragCoord.xy, met); }
+// The cell of any record.
+bool meet(int record, vec2 pixel, out segment met) {
+  int at = 6 * record;
+  cell c;
+  c.head = texelFetch(records, at);
+  c.base = texelFetch(records, at + 1);
+  c.field = texelFetch(records, at + 2);
+  c.face0 = texelFetch(records, at + 3);
+  c.face1 = texelFetch(records, at + 4);
+#ifdef LIT_CELLS
+  c.light = texelFetch(records, at + 5);
+#endif
+  return meet_cell(c, record, pixel, met);
+}
+
+// The cell that the fragment belongs to. Its record was fetched by the vertices: on software OpenGL a fetch a fragment
+// costs a gather a number.
+bool meet_here(out segment met) {
+  cell c;
+  c.head = record0;
+  c.base = record1;
+  c.field = record2;
+  c.face0 = record3;
+  c.face1 = record4;
+#ifdef LIT_CELLS
+  c.light = record5;
+#endif
+  return meet_cell(c, record, gl_FragCoord.xy, met);
+}

@@ -2,7 +2,14 @@
 // scalar crosses a knot, and each piece has a closed form. Premultiplied colour and opacity.
 //
 // Three texels an interval between knots: its ends and 1 / width, colour and extinction at the lower end, at the upper.
+// ONE_INTERVAL: every cell of the batch lies in the same one, which the uniforms hold; THIN: no segment of it is deeper
+// than THICK. Software OpenGL runs every branch that any of eight pixels takes, so it pays to leave them out.
+#ifdef ONE_INTERVAL
+uniform vec2 interval_span;              // lower end, 1 / width
+uniform vec4 interval_low, interval_rise; // colour and extinction at the lower end, and what they grow by to the upper
+#else
 uniform samplerBuffer intervals;
+#endif
 
 const float OPACITY = 1.0; // of what gather gives as its fourth component
 
@@ -34,27 +41,50 @@ vec2 piece_weights(float a, float b) {
   return vec2(loss * (2.0 - loss), (1.0 - loss) * (d * by_d - mm * by_m));
 }
 
+#ifdef THIN
+// As below.
+vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
+  vec4 f = interval_low + interval_rise * clamp((front - interval_span.x) * interval_span.y, 0.0, 1.0);
+  vec4 b = interval_low + interval_rise * clamp((back - interval_span.x) * interval_span.y, 0.0, 1.0);
+  vec2 weights = piece_weights(f.w * len, b.w * len);
+  seen = f.w + b.w > 0.0 ? vec2(0.0, 1.0) : vec2(1.0, 0.0);
+  return vec4(0.5 * (weights.x * (f.xyz + b.xyz) + weights.y * (b.xyz - f.xyz)), weights.x);
+}
+#else
 // range: the intervals that the cell's scalars touch. seen: where on the segment the first contribution begins and
 // the last one ends, 0..1 from front to back; begins after it ends if there is none.
 vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
+#ifdef ONE_INTERVAL
+  vec4 whole_f = interval_low + interval_rise * clamp((front - interval_span.x) * interval_span.y, 0.0, 1.0);
+  vec4 whole_b = interval_low + interval_rise * clamp((back - interval_span.x) * interval_span.y, 0.0, 1.0);
+#else
   float delta = back - front;
   bool up = delta >= 0.0;
   int i = up ? range.x : range.y;
   int last = up ? range.y : range.x;
   // 1e-30: a scalar that is constant along the ray lies before or behind a knot, never on the way.
   float inverse = (up ? 1.0 : -1.0) / max(abs(delta), 1.0e-30);
+#endif
   float begin = 0.0;
   vec4 gathered = vec4(0.0);
   float through = 1.0;
   seen = vec2(1.0, 0.0);
   for (;;) {
+#ifdef ONE_INTERVAL
+    float end = 1.0;
+#else
     vec4 span = texelFetch(intervals, 3 * i);
     vec4 low = texelFetch(intervals, 3 * i + 1);
     vec4 high = texelFetch(intervals, 3 * i + 2);
     float end = i == last ? 1.0 : clamp(((up ? span.y : span.x) - front) * inverse, begin, 1.0);
+#endif
     if (end > begin) {
+#ifdef ONE_INTERVAL
+      vec4 f = mix(whole_f, whole_b, begin), b = whole_b;
+#else
       vec4 f = mix(low, high, clamp((front + begin * delta - span.x) * span.z, 0.0, 1.0));
       vec4 b = mix(low, high, clamp((front + end * delta - span.x) * span.z, 0.0, 1.0));
+#endif
       float a_depth = min(f.w * len * (end - begin), DEEP);
       float b_depth = min(b.w * len * (end - begin), DEEP);
       bool cut = a_depth + b_depth > 2.0 * THICK;
@@ -82,9 +112,14 @@ vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
         break;
       }
     }
+#ifdef ONE_INTERVAL
+    break;
+#else
     if (i == last || end >= 1.0) break;
     i += up ? 1 : -1;
     begin = end;
+#endif
   }
   return gathered;
 }
+#endif

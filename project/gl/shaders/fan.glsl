@@ -1,18 +1,20 @@
 // Cells of renderer `fan`: what the corners of a fan's triangle say is interpolated over the picture [C 2]; in
 // perspective scalars come divided by their own depth.
-uniform samplerBuffer records; // as in cell.glsl; of these the intervals and the light
-flat in int record;
+flat in vec4 record0; // as in cell.glsl; of it the intervals
+#ifdef LIT_CELLS
+flat in vec4 record5; // the light
+#endif
 in vec4 between;    // scalar / depth, 1 / depth at the front, at the back; parallel: scalar, depth
 in float thickness; // difference of 1 / depth; parallel: of depth
 uniform vec2 centre;         // of the image, in pixels
 uniform vec2 slope;          // across one pixel at depth 1
 #ifdef WITH_LIMITS
 uniform sampler2D limits;    // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
-#else
+#elif !defined(PLAIN)        // no fan lies at the near plane
 uniform float near_distance;
 #endif
 
-const float BIG = 3.0e38;
+const float BIG = 1.0e18;
 
 bool meet_here(out segment met) {
 #ifdef PARALLEL
@@ -34,9 +36,10 @@ bool meet_here(out segment met) {
 #ifndef PARALLEL
   kept = vec2(kept.x > 0.0 ? 1.0 / kept.x : BIG, kept.y > 0.0 ? 1.0 / kept.y : BIG);
 #endif
-#else
+#elif !defined(PLAIN)
   vec2 kept = vec2(near_distance, BIG);
 #endif
+#if defined(WITH_LIMITS) || !defined(PLAIN)
   float from = met.exit_depth - met.thickness;
   float inverse = 1.0 / max(met.thickness, 1.0e-37);
   float begin = clamp((kept.x - from) * inverse, 0.0, 1.0);
@@ -47,13 +50,15 @@ bool meet_here(out segment met) {
   met.front = met.front + begin * change;
   met.exit_depth = from + end * met.thickness;
   met.thickness = (end - begin) * met.thickness;
+#endif
 #ifdef PARALLEL
   met.len = met.thickness;
 #else
   met.len = met.thickness * length(vec3((gl_FragCoord.xy - centre) * slope, 1.0));
 #endif
-  vec2 range = texelFetch(records, 7 * record).zw;
-  met.range = ivec2(range);
-  met.light = texelFetch(records, 7 * record + 6).xy;
+  met.range = ivec2(record0.zw);
+#ifdef LIT_CELLS
+  met.light = record5.xy;
+#endif
   return inside;
 }

@@ -1,18 +1,10 @@
 // Light on gradients at points: they are linear in a cell, and so on a segment.
-uniform samplerBuffer lights; // three texels a cell: x, y, z of the gradients at the record's corners, opposite one last
+uniform samplerBuffer lights; // three texels a cell: x, y, z as the scalar in cell.glsl: on the plane, growth
 uniform vec3 towards;         // the light
 uniform vec3 halfway;         // between the light and the eye
 uniform vec4 shares;          // ambient, diffuse, specular, shininess
 
 vec3 gradient_front, gradient_back;
-
-void set_gradients(int record, vec4 front_weight, vec4 back_weight) {
-  vec4 x = texelFetch(lights, 3 * record);
-  vec4 y = texelFetch(lights, 3 * record + 1);
-  vec4 z = texelFetch(lights, 3 * record + 2);
-  gradient_front = vec3(dot(x, front_weight), dot(y, front_weight), dot(z, front_weight));
-  gradient_back = vec3(dot(x, back_weight), dot(y, back_weight), dot(z, back_weight));
-}
 
 // The unit vector along a gradient of any length; 0 along 0.
 vec3 normal_of(vec3 gradient) {

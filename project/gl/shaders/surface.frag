@@ -4,7 +4,7 @@ uniform samplerBuffer points, normals, colours;
 uniform usamplerBuffer triangles;
 uniform vec3 right, up, forward, eye;
 uniform vec2 centre, slope; // as for cells (parallel: in units)
-uniform float unit;         // world length of the surface's size
+uniform float unit;         // length of the surface's size, in what limits are in
 uniform vec2 nearness;      // perspective: depth that becomes 1; parallel: depth that becomes 0, 1 / range of depths
 uniform sampler2D limits;   // of each pixel's ray: near and far, 1 / depth (parallel: depth), of clip planes
 uniform bool smooth_shaded;
