@@ -3,7 +3,8 @@
  * processor's seconds that it took, the same for a probe on the same OpenGL (as many triangles of as many pixels, a
  * constant colour, blended into the same framebuffer), and the error against the reference caster; both methods, every
  * framebuffer. Beside them the error of VTK 9.1's projected tetrahedra on the same picture, as measured elsewhere.
- * Arguments: names of shared meshes; none: those of the published figures. */
+ * Arguments: names of shared meshes; none: those of the published figures. --transfer NAME: instead of ramp;
+ * --no-errors: no reference, which takes the longest. */
 #if __has_include(<GL/osmesa.h>)
 #include <GL/osmesa.h>
 
@@ -13,6 +14,7 @@
 #include <cellist/raycast.h>
 #include <cellist/sort.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +43,12 @@ struct timing {
   double wall, processor;
 };
 
+static struct timing median(double wall[FRAMES], double processor[FRAMES]) {
+  qsort(wall, FRAMES, sizeof *wall, by_value);
+  qsort(processor, FRAMES, sizeof *processor, by_value);
+  return (struct timing){wall[FRAMES / 2], processor[FRAMES / 2]};
+}
+
 static struct timing draw(cellist_context *context, cellist_gl *gl, const cellist_frame *frame,
                           const cellist_transfer *transfer, const uint32_t *order, size_t count,
                           const cellist_gl_settings *settings, cellist_image *image, cellist_gl_stats *stats) {
@@ -51,66 +59,73 @@ static struct timing draw(cellist_context *context, cellist_gl *gl, const cellis
     wall[i] = seconds(CLOCK_MONOTONIC) - wall_begin;
     processor[i] = seconds(CLOCK_PROCESS_CPUTIME_ID) - processor_begin;
   }
-  qsort(wall, FRAMES, sizeof *wall, by_value);
-  qsort(processor, FRAMES, sizeof *processor, by_value);
-  return (struct timing){wall[FRAMES / 2], processor[FRAMES / 2]};
+  return median(wall, processor);
 }
 
 #if __has_include(<GL/osmesa.h>)
-/* The probe: as many triangles and as many pixels, a constant colour, blended into floats; nothing else. */
-static struct timing probe(uint64_t triangles, uint64_t fragments, uint32_t size) {
-  static const int attributes[] = {
-      OSMESA_PROFILE, OSMESA_CORE_PROFILE, OSMESA_CONTEXT_MAJOR_VERSION, 4, OSMESA_CONTEXT_MINOR_VERSION, 1, 0};
-  static const char *const vertex =
+/* What the probe calls. */
+#define PROBE_LIST(X)                                          \
+  X(AttachShader, PFNGLATTACHSHADERPROC)                       \
+  X(BindBuffer, PFNGLBINDBUFFERPROC)                           \
+  X(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC)                 \
+  X(BindRenderbuffer, PFNGLBINDRENDERBUFFERPROC)               \
+  X(BindVertexArray, PFNGLBINDVERTEXARRAYPROC)                 \
+  X(BufferData, PFNGLBUFFERDATAPROC)                           \
+  X(CompileShader, PFNGLCOMPILESHADERPROC)                     \
+  X(CreateProgram, PFNGLCREATEPROGRAMPROC)                     \
+  X(CreateShader, PFNGLCREATESHADERPROC)                       \
+  X(EnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC) \
+  X(FramebufferRenderbuffer, PFNGLFRAMEBUFFERRENDERBUFFERPROC) \
+  X(GenBuffers, PFNGLGENBUFFERSPROC)                           \
+  X(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC)                 \
+  X(GenRenderbuffers, PFNGLGENRENDERBUFFERSPROC)               \
+  X(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC)                 \
+  X(LinkProgram, PFNGLLINKPROGRAMPROC)                         \
+  X(RenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC)         \
+  X(ShaderSource, PFNGLSHADERSOURCEPROC)                       \
+  X(UseProgram, PFNGLUSEPROGRAMPROC)                           \
+  X(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)
+
+struct probe_api {
+#define PROBE_MEMBER(name, type) type name;
+  PROBE_LIST(PROBE_MEMBER)
+};
+
+static void set_up_probe(const struct probe_api *api, uint32_t size) {
+  static const char *const texts[2] = {
       "#version 410 core\nlayout(location=0) in vec2 p;"
-      "void main() { gl_Position = vec4(p, 0.0, 1.0); }";
-  static const char *const fragment =
+      "void main() { gl_Position = vec4(p, 0.0, 1.0); }",
       "#version 410 core\nlayout(location=0) out vec4 c;"
-      "void main() { c = vec4(0.001, 0.002, 0.003, 0.01); }";
-  unsigned char token[4 * 16 * 16];
-  OSMesaContext context = OSMesaCreateContextAttribs(attributes, NULL);
-  if (context == NULL || !OSMesaMakeCurrent(context, token, GL_UNSIGNED_BYTE, 16, 16)) return (struct timing){NAN, NAN};
-#define PROBE_LOAD(name, type) const type name = (type)(void (*)(void))OSMesaGetProcAddress(#name)
-  PROBE_LOAD(glCreateShader, PFNGLCREATESHADERPROC);
-  PROBE_LOAD(glShaderSource, PFNGLSHADERSOURCEPROC);
-  PROBE_LOAD(glCompileShader, PFNGLCOMPILESHADERPROC);
-  PROBE_LOAD(glCreateProgram, PFNGLCREATEPROGRAMPROC);
-  PROBE_LOAD(glAttachShader, PFNGLATTACHSHADERPROC);
-  PROBE_LOAD(glLinkProgram, PFNGLLINKPROGRAMPROC);
-  PROBE_LOAD(glUseProgram, PFNGLUSEPROGRAMPROC);
-  PROBE_LOAD(glGenVertexArrays, PFNGLGENVERTEXARRAYSPROC);
-  PROBE_LOAD(glBindVertexArray, PFNGLBINDVERTEXARRAYPROC);
-  PROBE_LOAD(glGenBuffers, PFNGLGENBUFFERSPROC);
-  PROBE_LOAD(glBindBuffer, PFNGLBINDBUFFERPROC);
-  PROBE_LOAD(glBufferData, PFNGLBUFFERDATAPROC);
-  PROBE_LOAD(glEnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC);
-  PROBE_LOAD(glVertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC);
-  PROBE_LOAD(glGenFramebuffers, PFNGLGENFRAMEBUFFERSPROC);
-  PROBE_LOAD(glBindFramebuffer, PFNGLBINDFRAMEBUFFERPROC);
-  PROBE_LOAD(glGenRenderbuffers, PFNGLGENRENDERBUFFERSPROC);
-  PROBE_LOAD(glBindRenderbuffer, PFNGLBINDRENDERBUFFERPROC);
-  PROBE_LOAD(glRenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC);
-  PROBE_LOAD(glFramebufferRenderbuffer, PFNGLFRAMEBUFFERRENDERBUFFERPROC);
-  const GLuint program = glCreateProgram();
+      "void main() { c = vec4(0.001, 0.002, 0.003, 0.01); }"};
+  const GLuint program = api->CreateProgram();
   for (int i = 0; i < 2; i++) {
-    const GLuint shader = glCreateShader(i ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
-    glShaderSource(shader, 1, i ? &fragment : &vertex, NULL);
-    glCompileShader(shader);
-    glAttachShader(program, shader);
+    const GLuint shader = api->CreateShader(i ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
+    api->ShaderSource(shader, 1, &texts[i], NULL);
+    api->CompileShader(shader);
+    api->AttachShader(program, shader);
   }
-  glLinkProgram(program);
-  glUseProgram(program);
+  api->LinkProgram(program);
+  api->UseProgram(program);
   GLuint names[4];
-  glGenFramebuffers(1, &names[0]);
-  glBindFramebuffer(GL_FRAMEBUFFER, names[0]);
-  glGenRenderbuffers(1, &names[1]);
-  glBindRenderbuffer(GL_RENDERBUFFER, names[1]);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, (GLsizei)size, (GLsizei)size);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, names[1]);
+  api->GenFramebuffers(1, &names[0]);
+  api->BindFramebuffer(GL_FRAMEBUFFER, names[0]);
+  api->GenRenderbuffers(1, &names[1]);
+  api->BindRenderbuffer(GL_RENDERBUFFER, names[1]);
+  api->RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, (GLsizei)size, (GLsizei)size);
+  api->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, names[1]);
   glViewport(0, 0, (GLsizei)size, (GLsizei)size);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  /* Right triangles of the mean number of pixels, at places from a multiplicative sequence. */
+  api->GenVertexArrays(1, &names[2]);
+  api->BindVertexArray(names[2]);
+  api->GenBuffers(1, &names[3]);
+  api->BindBuffer(GL_ARRAY_BUFFER, names[3]);
+  api->EnableVertexAttribArray(0);
+  api->VertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, 0, NULL);
+}
+
+/* Right triangles of the mean number of pixels, at places from a multiplicative sequence. */
+static float *probe_corners(uint64_t triangles, uint64_t fragments, uint32_t size) {
   float *corners = malloc(triangles * 6 * sizeof *corners);
   const float leg = (float)(2 * sqrt(2.0 * (double)fragments / (double)triangles) / size);
   uint32_t state = 1;
@@ -123,18 +138,27 @@ static struct timing probe(uint64_t triangles, uint64_t fragments, uint32_t size
     const float triangle[6] = {at[0], at[1], at[0] + leg, at[1], at[0], at[1] + leg};
     memcpy(corners + 6 * i, triangle, sizeof triangle);
   }
-  glGenVertexArrays(1, &names[2]);
-  glBindVertexArray(names[2]);
-  glGenBuffers(1, &names[3]);
-  glBindBuffer(GL_ARRAY_BUFFER, names[3]);
-  glEnableVertexAttribArray(0);
-  glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, 0, NULL);
+  return corners;
+}
+
+/* The probe: as many triangles and as many pixels, a constant colour, blended into floats; nothing else. */
+static struct timing probe(uint64_t triangles, uint64_t fragments, uint32_t size) {
+  static const int attributes[] = {
+      OSMESA_PROFILE, OSMESA_CORE_PROFILE, OSMESA_CONTEXT_MAJOR_VERSION, 4, OSMESA_CONTEXT_MINOR_VERSION, 1, 0};
+  unsigned char token[4 * 16 * 16];
+  OSMesaContext context = OSMesaCreateContextAttribs(attributes, NULL);
+  if (context == NULL || !OSMesaMakeCurrent(context, token, GL_UNSIGNED_BYTE, 16, 16)) return (struct timing){NAN, NAN};
+  struct probe_api api;
+#define PROBE_LOAD(name, type) api.name = (type)(void (*)(void))OSMesaGetProcAddress("gl" #name);
+  PROBE_LIST(PROBE_LOAD)
+  set_up_probe(&api, size);
+  float *corners = probe_corners(triangles, fragments, size);
   float *pixels = malloc(4 * (size_t)size * size * sizeof *pixels);
   double wall[FRAMES], processor[FRAMES];
   for (int i = 0; i < FRAMES; i++) {
     const double wall_begin = seconds(CLOCK_MONOTONIC), processor_begin = seconds(CLOCK_PROCESS_CPUTIME_ID);
     glClear(GL_COLOR_BUFFER_BIT);
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(triangles * 6 * sizeof *corners), corners, GL_STREAM_DRAW);
+    api.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(triangles * 6 * sizeof *corners), corners, GL_STREAM_DRAW);
     glDrawArrays(GL_TRIANGLES, 0, (GLsizei)(3 * triangles));
     glReadPixels(0, 0, (GLsizei)size, (GLsizei)size, GL_RGBA, GL_FLOAT, pixels);
     wall[i] = seconds(CLOCK_MONOTONIC) - wall_begin;
@@ -144,9 +168,7 @@ static struct timing probe(uint64_t triangles, uint64_t fragments, uint32_t size
   free(pixels);
   OSMesaMakeCurrent(NULL, NULL, 0, 0, 0);
   OSMesaDestroyContext(context);
-  qsort(wall, FRAMES, sizeof *wall, by_value);
-  qsort(processor, FRAMES, sizeof *processor, by_value);
-  return (struct timing){wall[FRAMES / 2], processor[FRAMES / 2]};
+  return median(wall, processor);
 }
 #else
 static struct timing probe(uint64_t triangles, uint64_t fragments, uint32_t size) {
@@ -187,86 +209,126 @@ static struct peer peer_of(const char *mesh, uint32_t size) {
   return (struct peer){mesh, NAN, NAN};
 }
 
-static void bench_mesh(cellist_context *context, cellist_gl *gl, const char *name) {
-  char path[4096];
-  snprintf(path, sizeof path, "%s/data/%s.vtu", CELLIST_SHARED_DIR, name);
-  cellist_mesh *mesh = NULL;
+/* A mesh with all that draws it. */
+struct subject {
+  const char *name;
+  cellist_context *context;
+  cellist_gl *gl;
+  cellist_mesh *mesh;
   cellist_scalar scalar;
-  check(context, cellist_mesh_read(context, path, NULL, &mesh), path);
-  check(context, cellist_scalar_select(context, mesh, NULL, &scalar), path);
-  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(mesh);
+  cellist_transfer transfer;
+  cellist_sorter *sorter;
+  cellist_raycaster *caster;
+  uint32_t *order;
+  size_t tet_count, group_count;
+  cellist_gl_group *groups;
+};
+
+static void open_subject(struct subject *subject, const char *transfer) {
+  cellist_context *context = subject->context;
+  char path[4096];
+  snprintf(path, sizeof path, "%s/data/%s.vtu", CELLIST_SHARED_DIR, subject->name);
+  check(context, cellist_mesh_read(context, path, NULL, &subject->mesh), path);
+  check(context, cellist_scalar_select(context, subject->mesh, NULL, &subject->scalar), path);
+  const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(subject->mesh);
   const double *bounds = arrays->bounds;
   const double diagonal = hypot(hypot(bounds[3] - bounds[0], bounds[4] - bounds[1]), bounds[5] - bounds[2]);
-  const cellist_transfer_desc transfer_desc = {.range = {scalar.minimum, scalar.maximum},
-                                               .unit_distance = diagonal / 50};
-  cellist_transfer transfer;
-  check(context, cellist_transfer_load(context, &transfer_desc, &transfer), "ramp");
+  const cellist_transfer_desc transfer_desc = {
+      .source = transfer, .range = {subject->scalar.minimum, subject->scalar.maximum}, .unit_distance = diagonal / 50};
+  check(context, cellist_transfer_load(context, &transfer_desc, &subject->transfer), "transfer function");
   const cellist_sorter_desc sorter_desc = {arrays->point_count, arrays->positions,  arrays->tet_count,
                                            arrays->tets,        arrays->neighbours, NULL};
-  cellist_sorter *sorter = NULL;
-  check(context, cellist_sorter_create(context, &sorter_desc, &sorter), "sorter");
-  uint32_t *order = malloc(arrays->tet_count * sizeof *order);
-  cellist_gl_group *groups = NULL;
-  cellist_raycaster *caster = NULL;
-  check(context, cellist_raycaster_create(context, mesh, &scalar, NULL, &caster), "caster");
-  check(context, cellist_gl_upload(gl, mesh, &scalar), "upload");
+  check(context, cellist_sorter_create(context, &sorter_desc, &subject->sorter), "sorter");
+  check(context, cellist_raycaster_create(context, subject->mesh, &subject->scalar, NULL, &subject->caster), "caster");
+  check(context, cellist_gl_upload(subject->gl, subject->mesh, &subject->scalar), "upload");
+  subject->tet_count = arrays->tet_count;
+  subject->order = malloc(arrays->tet_count * sizeof *subject->order);
+}
+
+static void close_subject(struct subject *subject) {
+  cellist_raycaster_destroy(subject->caster);
+  free(subject->order);
+  free(subject->groups);
+  cellist_sorter_destroy(subject->sorter);
+  cellist_transfer_release(subject->context, &subject->transfer);
+  cellist_scalar_release(subject->context, &subject->scalar);
+  cellist_mesh_destroy(subject->mesh);
+}
+
+static void sort_cells(struct subject *subject, const cellist_frame *frame) {
+  cellist_viewpoint viewpoint = {.parallel = false};
+  memcpy(viewpoint.position, frame->eye, sizeof viewpoint.position);
+  check(subject->context, cellist_sorter_sort(subject->sorter, &viewpoint, subject->order, NULL), "sort");
+  const cellist_group *sorted = NULL;
+  cellist_sorter_groups(subject->sorter, &sorted, &subject->group_count);
+  subject->groups = realloc(subject->groups, (subject->group_count + 1) * sizeof *subject->groups);
+  for (size_t i = 0; i < subject->group_count; i++)
+    subject->groups[i] = (cellist_gl_group){sorted[i].begin, sorted[i].count};
+}
+
+/* One row; truth may be NULL. */
+static void bench_frame(struct subject *subject, const cellist_frame *frame, cellist_gl_method method,
+                        cellist_framebuffer format, const double *truth, cellist_image *image) {
+  static const char *const formats[] = {"32f", "16f", "8"};
+  const cellist_gl_settings settings = {
+      .framebuffer = format, .groups = subject->groups, .group_count = subject->group_count, .method = method};
+  cellist_gl_stats stats;
+  const struct timing taken = draw(subject->context, subject->gl, frame, &subject->transfer, subject->order,
+                                   subject->tet_count, &settings, image, &stats);
+  double rmse = NAN, most = NAN;
+  if (truth != NULL) compare(image, truth, (size_t)frame->width * frame->height, &rmse, &most);
+  const struct timing least = probe(stats.triangle_count, stats.fragment_count, frame->width);
+  const struct peer vtk = peer_of(subject->name, frame->width);
+  printf("%s,%zu,%u,%s,%s,%llu,%llu,%llu,%.4f,%.4f,%.4f,%.4f,%.2f,%.3g,%.3g,%.3g,%.3g\n", subject->name,
+         subject->tet_count, frame->width, method == CELLIST_GL_FAN ? "fan" : "faces", formats[format],
+         (unsigned long long)stats.triangle_count, (unsigned long long)stats.fragment_count,
+         (unsigned long long)stats.group_count, taken.wall, taken.processor, least.wall, least.processor,
+         least.processor / taken.processor, rmse, most, vtk.rmse, vtk.most);
+  fflush(stdout);
+}
+
+static void bench_mesh(struct subject *subject, const char *transfer, bool with_errors) {
+  static const char *const channels[] = {"R", "G", "B", "A"};
+  cellist_context *context = subject->context;
+  open_subject(subject, transfer);
   for (uint32_t size = 512; size <= 1024; size *= 2) {
-    const cellist_view view = cellist_view_orbit(bounds, 30.96, 34.45);
+    const cellist_view view = cellist_view_orbit(cellist_mesh_get_arrays(subject->mesh)->bounds, 30.96, 34.45);
     cellist_frame frame;
     check(context, cellist_frame_from_view(context, &view, size, size, &frame), "frame");
-    cellist_viewpoint viewpoint = {.parallel = false};
-    memcpy(viewpoint.position, frame.eye, sizeof viewpoint.position);
-    check(context, cellist_sorter_sort(sorter, &viewpoint, order, NULL), "sort");
-    const cellist_group *sorted = NULL;
-    size_t group_count = 0;
-    cellist_sorter_groups(sorter, &sorted, &group_count);
-    groups = realloc(groups, (group_count + 1) * sizeof *groups);
-    for (size_t i = 0; i < group_count; i++) groups[i] = (cellist_gl_group){sorted[i].begin, sorted[i].count};
-    static const char *const channels[] = {"R", "G", "B", "A"};
-    static const char *const formats[] = {"32f", "16f", "8"};
+    sort_cells(subject, &frame);
     cellist_image *image = NULL;
     check(context, cellist_image_create(context, size, size, channels, 4, &image), "image");
     double *truth = NULL;
-    if (size == 512) {
+    if (size == 512 && with_errors) {
       truth = malloc(4 * (size_t)size * size * sizeof *truth);
       const cellist_raycast_desc cast = {.precision = CELLIST_PRECISION_REFERENCE};
       const cellist_raycast_output output = {.rgba = truth};
-      check(context, cellist_raycaster_render(caster, &frame, &transfer, &cast, &output, NULL), "reference");
+      check(context, cellist_raycaster_render(subject->caster, &frame, &subject->transfer, &cast, &output, NULL),
+            "reference");
     }
-    for (int row = 0; row < (size == 512 ? 4 : 2); row++) { /* faces, fan, then faces with smaller framebuffers */
-      const int format = row > 1 ? row - 1 : 0;
-      const cellist_gl_settings settings = {.framebuffer = (cellist_framebuffer)format,
-                                            .groups = groups,
-                                            .group_count = group_count,
-                                            .method = row == 1 ? CELLIST_GL_FAN : CELLIST_GL_FACES};
-      cellist_gl_stats stats;
-      const struct timing taken =
-          draw(context, gl, &frame, &transfer, order, arrays->tet_count, &settings, image, &stats);
-      double rmse = NAN, most = NAN;
-      if (truth != NULL) compare(image, truth, (size_t)size * size, &rmse, &most);
-      const struct timing least = probe(stats.triangle_count, stats.fragment_count, size);
-      const struct peer vtk = peer_of(name, size);
-      printf("%s,%zu,%u,%s,%s,%llu,%llu,%llu,%.4f,%.4f,%.4f,%.4f,%.2f,%.3g,%.3g,%.3g,%.3g\n", name, arrays->tet_count,
-             size, row == 1 ? "fan" : "faces", formats[format], (unsigned long long)stats.triangle_count,
-             (unsigned long long)stats.fragment_count, (unsigned long long)stats.group_count, taken.wall,
-             taken.processor, least.wall, least.processor, least.processor / taken.processor, rmse, most, vtk.rmse,
-             vtk.most);
-      fflush(stdout);
+    bench_frame(subject, &frame, CELLIST_GL_FACES, CELLIST_FRAMEBUFFER_32F, truth, image);
+    bench_frame(subject, &frame, CELLIST_GL_FAN, CELLIST_FRAMEBUFFER_32F, truth, image);
+    if (size == 512) {
+      bench_frame(subject, &frame, CELLIST_GL_FACES, CELLIST_FRAMEBUFFER_16F, truth, image);
+      bench_frame(subject, &frame, CELLIST_GL_FACES, CELLIST_FRAMEBUFFER_8, truth, image);
     }
     free(truth);
     cellist_image_destroy(image);
   }
-  cellist_raycaster_destroy(caster);
-  free(order);
-  free(groups);
-  cellist_sorter_destroy(sorter);
-  cellist_transfer_release(context, &transfer);
-  cellist_scalar_release(context, &scalar);
-  cellist_mesh_destroy(mesh);
+  close_subject(subject);
 }
 
 int main(int argc, char **argv) {
-  static const char *const meshes[] = {"spx", "disk_out_ref", "impeller", "sci_torso", "gears_t", "bluntfin", "post"};
+  static const char *const published[] = {"spx",     "disk_out_ref", "impeller", "sci_torso",
+                                          "gears_t", "bluntfin",     "post"};
+  const char *transfer = NULL;
+  bool with_errors = true;
+  int first = 1;
+  for (; first < argc && argv[first][0] == '-'; first++)
+    if (strcmp(argv[first], "--no-errors") == 0)
+      with_errors = false;
+    else if (strcmp(argv[first], "--transfer") == 0 && first + 1 < argc)
+      transfer = argv[++first];
   cellist_context *context = NULL;
   if (cellist_context_create(NULL, &context) != CELLIST_SUCCESS) return 1;
   cellist_gl *gl = NULL;
@@ -274,10 +336,11 @@ int main(int argc, char **argv) {
   printf(
       "mesh,tets,size,method,framebuffer,triangles,fragments,groups,seconds,processor_seconds,probe_seconds,"
       "probe_processor_seconds,share_of_probe,rmse,max,vtk_rmse,vtk_max\n");
-  if (argc > 1)
-    for (int i = 1; i < argc; i++) bench_mesh(context, gl, argv[i]);
-  else
-    for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) bench_mesh(context, gl, meshes[i]);
+  const int count = argc > first ? argc - first : (int)(sizeof published / sizeof *published);
+  for (int i = 0; i < count; i++) {
+    struct subject subject = {.name = argc > first ? argv[first + i] : published[i], .context = context, .gl = gl};
+    bench_mesh(&subject, transfer, with_errors);
+  }
   cellist_gl_destroy(gl);
   cellist_context_destroy(context);
   return 0;
