@@ -15,6 +15,8 @@ static cellist_result make_pieces(cellist_gl *gl, bool as_fans, size_t count, co
   }
   if (gl->runs == NULL) gl->runs = cellist_allocate(gl->context, gl->chunk_cells, sizeof *gl->runs);
   if (gl->runs == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  if (gl->extras == NULL) gl->extras = cellist_allocate_zeroed(gl->context, gl->chunk_cells, sizeof *gl->extras);
+  if (gl->extras == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   size_t made = 0, group = 0;
   for (size_t begin = 0; begin < count;) {
     const bool is_group = group < group_count && groups[group].begin == begin;
@@ -57,7 +59,7 @@ cellist_result gl_batch_send(gl_drawing *drawing, gl_stage stage, const uint32_t
   if (result != CELLIST_SUCCESS) return result;
   gl_cells_output output = {
       .records = map_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, count * sizeof *output.records),
-      .extras = map_buffer(api, GL_TEXTURE_BUFFER, gl->extra_buffer, count * sizeof *output.extras),
+      .extras = gl->extras,
       .corners =
           map_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, count * 3 * GL_CELLS_TRIANGLES * sizeof *output.corners),
       .runs = gl->runs};
@@ -65,20 +67,25 @@ cellist_result gl_batch_send(gl_drawing *drawing, gl_stage stage, const uint32_t
   if (fans)
     output.fan_corners =
         map_buffer(api, GL_ARRAY_BUFFER, gl->fan_buffer, count * 3 * GL_FAN_TRIANGLES * sizeof *output.fan_corners);
-  if (output.records != NULL && output.extras != NULL && output.corners != NULL && lit == (output.lights != NULL) &&
+  if (output.records != NULL && output.corners != NULL && lit == (output.lights != NULL) &&
       fans == (output.fan_corners != NULL))
     gl_cells_prepare(&drawing->cells, order, gl->pieces, *piece_count, &output);
   bool kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, output.records);
-  kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->extra_buffer, output.extras) && kept;
   kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, output.corners) && kept;
   if (lit) kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, output.lights) && kept;
   if (fans) kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->fan_buffer, output.fan_corners) && kept;
   if (!kept) return cellist_fail(gl->context, CELLIST_ERROR_OUT_OF_MEMORY, "OpenGL has no buffer for %zu cells", count);
+  bool with_extras = false; /* hardly ever */
   for (size_t i = 0; i < *piece_count; i++) {
+    with_extras = with_extras || gl->pieces[i].has_extras;
     drawing->stats.cell_count += gl->pieces[i].cell_count;
     drawing->stats.triangle_count += gl->pieces[i].triangle_count;
     drawing->stats.left_count += gl->pieces[i].left_count;
     drawing->stats.group_count += gl->pieces[i].is_group;
+  }
+  if (with_extras) {
+    api->BindBuffer(GL_TEXTURE_BUFFER, gl->extra_buffer);
+    api->BufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)(count * sizeof *gl->extras), gl->extras, GL_STREAM_DRAW);
   }
   return CELLIST_SUCCESS;
 }
@@ -86,8 +93,7 @@ cellist_result gl_batch_send(gl_drawing *drawing, gl_stage stage, const uint32_t
 /* Runs that one call draws. */
 struct call {
   gl_stage stage;
-  unsigned traits;
-  uint32_t interval;
+  gl_need need;
   GLint begins[64];
   GLsizei sizes[64], count;
 };
@@ -95,7 +101,7 @@ struct call {
 static cellist_result flush(gl_drawing *drawing, struct call *call) {
   if (call->count == 0) return CELLIST_SUCCESS;
   const cellist_gl *gl = drawing->gl;
-  const cellist_result result = gl_use_stage(drawing, call->stage, call->traits, call->interval);
+  const cellist_result result = gl_use_stage(drawing, call->stage, call->need);
   if (result != CELLIST_SUCCESS) return result;
   gl->api.BindVertexArray(call->stage == GL_STAGE_FAN ? gl->fan_vertices : gl->vertices);
   gl->api.MultiDrawArrays(GL_TRIANGLES, call->begins, call->sizes, call->count);
@@ -115,11 +121,9 @@ cellist_result gl_batch_draw(gl_drawing *drawing, size_t piece_count, gl_stage s
                               : run->is_fan           ? GL_STAGE_FAN
                               : stage == GL_STAGE_FAN ? GL_STAGE_BLEND
                                                       : stage;
-      if (wanted != call.stage || piece->traits != call.traits || piece->interval != call.interval || call.count == 64)
-        result = flush(drawing, &call);
+      if (wanted != call.stage || run->need != call.need || call.count == 64) result = flush(drawing, &call);
       call.stage = wanted;
-      call.traits = piece->traits;
-      call.interval = piece->interval;
+      call.need = run->need;
       call.begins[call.count] = (GLint)run->first;
       call.sizes[call.count++] = (GLsizei)run->count;
     }

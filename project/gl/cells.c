@@ -11,14 +11,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "plain.h"
 #include "records.h"
 
 /* What counts as behind the eye without a near distance, in units. It only tells where a cell can be seen: a cell all
  * of whose back faces lie nearer is lost. */
 static const double LEAST_DEPTH = 1e-9;
-
-/* Bits of a point: beyond each side of the view, before the near plane; and whether it is wild. */
-enum { OUTSIDE_VIEW = 31, OUTSIDE_NEAR = 16, OUTSIDE_WILD = 32 };
 
 /* Of right, up, forward. */
 static int handedness_of(const cellist_frame *frame) {
@@ -74,8 +72,11 @@ static void transform_range(void *user, size_t begin, size_t end, unsigned worke
     cells->points[i].outside = (uint32_t)((corner[0] < -half_width * w) | (corner[0] > half_width * w) << 1 |
                                           (corner[1] < -half_height * w) << 2 | (corner[1] > half_height * w) << 3 |
                                           (corner[2] < frame->near_distance) << 4 |
-                                          (gl_corner_is_wild(&cells->picture, corner) ? OUTSIDE_WILD : 0));
-    cells->points[i].scalar = cells->mesh->on_cells ? 0 : cells->mesh->scalars[i];
+                                          (gl_corner_is_wild(&cells->picture, corner) ? GL_OUTSIDE_WILD : 0));
+    if (cells->mesh->on_cells) continue;
+    cells->points[i].scalar = cells->mesh->scalars[i];
+    if (cells->intervals->knot_count < GL_POINT_INTERVALS)
+      cells->points[i].outside |= gl_interval_of(cells->intervals, cells->mesh->scalars[i]) << GL_OUTSIDE_BITS;
   }
 }
 
@@ -114,24 +115,39 @@ cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mes
   return CELLIST_SUCCESS;
 }
 
-/* Whether anything of the tet can be seen. */
-static bool find_shown(const gl_cells *cells, uint32_t tet, gl_shown *shown) {
+bool gl_cells_find_shown(const gl_cells *cells, uint32_t tet, const gl_point *const points[4], gl_shown *shown) {
+  const gl_intervals *intervals = cells->intervals;
   const gl_cells_mesh *mesh = cells->mesh;
-  const uint32_t *v = &mesh->arrays->tets[4 * (size_t)tet];
-  float low = INFINITY, high = -INFINITY;
+  if (mesh->on_cells) {
+    const float value = mesh->scalars[tet];
+    if (isnan(value)) return false;
+    for (int k = 0; k < 4; k++) shown->scalars[k] = value;
+    shown->first = shown->last = gl_interval_of(intervals, value);
+    return gl_intervals_show(intervals, shown->first, shown->last);
+  }
+  uint32_t first = UINT32_MAX, last = 0;
+  float low = INFINITY;
   for (int k = 0; k < 4; k++) {
-    const float value = mesh->on_cells ? mesh->scalars[tet] : mesh->scalars[v[k]];
+    const float value = points[k]->scalar;
+    const uint32_t interval = points[k]->outside >> GL_OUTSIDE_BITS;
     if (isnan(value)) return false;
     shown->scalars[k] = value;
-    low = fminf(low, value);
-    high = fmaxf(high, value);
+    low = value < low ? value : low;
+    first = interval < first ? interval : first;
+    last = interval > last ? interval : last;
   }
-  shown->first = gl_interval_of(cells->intervals, low);
-  shown->last = gl_interval_of(cells->intervals, high);
+  if (intervals->knot_count >= GL_POINT_INTERVALS) { /* they do not fit beside the points */
+    float high = low;
+    for (int k = 0; k < 4; k++) high = shown->scalars[k] > high ? shown->scalars[k] : high;
+    first = gl_interval_of(intervals, low);
+    last = gl_interval_of(intervals, high);
+  }
   /* Of the interval below a knot, one point alone matters to an isosurface only. */
-  if (cells->intervals->model != CELLIST_MODEL_ISOSURFACES && shown->first < shown->last)
-    while (shown->first < shown->last && cells->intervals->knots[shown->first] <= low) shown->first++;
-  return gl_intervals_show(cells->intervals, shown->first, shown->last);
+  if (intervals->model != CELLIST_MODEL_ISOSURFACES)
+    while (first < last && intervals->knots[first] <= low) first++;
+  shown->first = first;
+  shown->last = last;
+  return gl_intervals_show(intervals, first, last);
 }
 
 /* Which faces of a tet are back faces (bit k: the one opposite to corner k) and which are front faces (bit 4 + k),
@@ -141,7 +157,7 @@ static unsigned classify(const gl_cells *cells, uint32_t tet) {
   const uint32_t *v = &arrays->tets[4 * (size_t)tet];
   if (arrays->tet_flags[tet] & CELLIST_TET_FLAT) return 0;
   const gl_point *points = cells->points;
-  if (points[v[0]].outside & points[v[1]].outside & points[v[2]].outside & points[v[3]].outside & OUTSIDE_VIEW)
+  if (points[v[0]].outside & points[v[1]].outside & points[v[2]].outside & points[v[3]].outside & GL_OUTSIDE_VIEW)
     return 0;
   unsigned sides = 0;
   for (unsigned k = 0; k < 4; k++) {
@@ -168,16 +184,18 @@ struct cell {
 /* Whether anything of the cell can be seen. */
 static bool look_at(const gl_cells *cells, uint32_t tet, struct cell *cell) {
   cell->tet = tet;
-  if (!find_shown(cells, tet, &cell->shown)) return false;
+  const uint32_t *v = &cells->mesh->arrays->tets[4 * (size_t)tet];
+  const gl_point *points[4];
+  for (int k = 0; k < 4; k++) points[k] = &cells->points[v[k]];
+  if (!gl_cells_find_shown(cells, tet, points, &cell->shown)) return false;
   cell->sides = classify(cells, tet);
   if (cell->sides == 0) return false;
-  const uint32_t *v = &cells->mesh->arrays->tets[4 * (size_t)tet];
   cell->outside = 0;
   for (int k = 0; k < 4; k++) {
     cell->outside |= cells->points[v[k]].outside;
     cell->corner[k] = cells->points[v[k]].at;
   }
-  cell->wild = cell->outside & OUTSIDE_WILD;
+  cell->wild = cell->outside & GL_OUTSIDE_WILD;
   return true;
 }
 
@@ -213,116 +231,181 @@ static int write_fan(const gl_cells *cells, const struct cell *cell, float recor
 /* As THICK in exact.glsl, less what rounding may add. */
 static const float THICK = 0.4999f;
 
-/* Whether no segment in the cell is deeper than THICK, if its scalars lie in one interval: extinction is largest at an
- * end, and no segment is longer than the longest edge. */
-static bool is_thin(const gl_cells *cells, const struct cell *cell) {
+static float min_of(float a, float b) { return a < b ? a : b; }
+static float max_of(float a, float b) { return a > b ? a : b; }
+
+/* Of a cell without an extra that is neither wild nor at the near plane. Extinction is largest at an end or at the
+ * knot, and no segment is longer than the longest edge. */
+static gl_need need_of(const gl_cells *cells, const gl_shown *shown, float longest) {
+  if (shown->last - shown->first > 1) return GL_NEED_DEPTH;
+  const float *s = shown->scalars;
+  const float low = min_of(min_of(s[0], s[1]), min_of(s[2], s[3])),
+              high = max_of(max_of(s[0], s[1]), max_of(s[2], s[3]));
+  float most = max_of(gl_intervals_extinction(cells->intervals, shown->first, low),
+                      gl_intervals_extinction(cells->intervals, shown->last, high));
+  if (shown->first < shown->last)
+    most = max_of(most, gl_intervals_extinction(cells->intervals, shown->last, low)); /* the knot's */
+  return most * longest <= THICK ? GL_NEED_LITTLE : GL_NEED_DEPTH;
+}
+
+static gl_need need_of_cell(const gl_cells *cells, const struct cell *cell, bool has_extra) {
   static const uint8_t ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+  if (has_extra || cell->outside & (GL_OUTSIDE_WILD | GL_OUTSIDE_NEAR)) return GL_NEED_ANYTHING;
   const double across[2] = {cells->frame.half_width / cells->picture.half_width,
                             cells->frame.half_height / cells->picture.half_height};
-  const float *texel = &cells->intervals->texels[GL_INTERVAL_FLOATS * (size_t)cell->shown.first];
   double longest = 0;
   for (int i = 0; i < 6; i++) {
     const double *a = cell->corner[ends[i][0]], *b = cell->corner[ends[i][1]];
     const double x = (b[0] - a[0]) * across[0], y = (b[1] - a[1]) * across[1], z = b[2] - a[2];
     longest = fmax(longest, x * x + y * y + z * z);
   }
-  float most = 0;
-  for (int k = 0; k < 4; k++) {
-    const float at = fmaxf(0, fminf(1, (cell->shown.scalars[k] - texel[0]) * texel[2]));
-    most = fmaxf(most, texel[7] + at * (texel[11] - texel[7]));
-  }
-  return most * (float)sqrt(longest) <= THICK;
+  return need_of(cells, &cell->shown, (float)sqrt(longest));
 }
 
-/* What a cell adds to its piece's traits; interval: the piece's. */
-static unsigned traits_of(const gl_cells *cells, const struct cell *cell, bool has_extra, uint32_t interval) {
-  unsigned traits = has_extra || cell->outside & (OUTSIDE_WILD | OUTSIDE_NEAR) ? GL_PIECE_SPECIAL : 0;
-  if (cell->shown.first != cell->shown.last || cell->shown.first != interval)
-    traits |= GL_PIECE_MANY;
-  else if (!is_thin(cells, cell))
-    traits |= GL_PIECE_DEEP;
-  return traits;
-}
+enum { MOST_RUNS = 4 }; /* of a piece */
 
 struct job {
   const gl_cells *cells;
   const uint32_t *order;
   gl_piece *pieces;
   const gl_cells_output *output;
+  gl_plain_kernel *kernel;
 };
 
 static void widen(gl_piece *piece, const gl_corner *corners, int count) {
   for (int i = 0; i < count; i++) {
     const float at[2] = {corners[i].x, corners[i].y};
     for (int k = 0; k < 2; k++) {
-      piece->low[k] = fminf(piece->low[k], at[k]);
-      piece->high[k] = fmaxf(piece->high[k], at[k]);
+      piece->low[k] = min_of(piece->low[k], at[k]);
+      piece->high[k] = max_of(piece->high[k], at[k]);
     }
   }
 }
 
 /* Adds corners to the piece's last run, or to a new one after them. */
-static void extend(gl_piece *piece, gl_run *runs, bool is_fan, uint32_t first, uint32_t count) {
+static void extend(gl_piece *piece, gl_run *runs, bool is_fan, gl_need need, uint32_t first, uint32_t count) {
   if (count == 0) return;
   gl_run *last = piece->run_count > 0 ? &runs[piece->run_count - 1] : NULL;
-  if (last != NULL && last->is_fan == is_fan)
+  if (last != NULL && last->is_fan == is_fan && last->need == need)
     last->count += count;
   else
-    runs[piece->run_count++] = (gl_run){first, count, is_fan};
+    runs[piece->run_count++] = (gl_run){first, count, is_fan, need};
   piece->triangle_count += count / 3;
 }
 
-static void prepare_piece(const struct job *job, gl_piece *piece) {
+/* To change programs takes OpenGL some microseconds, as much as a few cells that are drawn by one for more than they
+ * need: where they change often, runs become one. */
+static void merge_runs(gl_piece *piece, gl_run *runs) {
+  if (piece->run_count <= MOST_RUNS) return;
+  uint32_t kept = 0;
+  gl_need most[2] = {GL_NEED_LITTLE, GL_NEED_LITTLE};
+  for (uint32_t i = 0; i < piece->run_count; i++) {
+    gl_need *need = &most[runs[i].is_fan];
+    if (runs[i].need > *need) *need = runs[i].need;
+  }
+  for (uint32_t i = 0; i < piece->run_count; i++) {
+    runs[i].need = most[runs[i].is_fan];
+    if (kept > 0 && runs[kept - 1].is_fan == runs[i].is_fan)
+      runs[kept - 1].count += runs[i].count;
+    else
+      runs[kept++] = runs[i];
+  }
+  piece->run_count = kept;
+}
+
+/* Where a piece's next triangles go. */
+struct cursor {
+  uint32_t corner, fan_corner;
+};
+
+static void add_corners(const struct job *job, gl_piece *piece, struct cursor *cursor, gl_need need,
+                        const gl_corner *corners, int count) {
+  memcpy(job->output->corners + cursor->corner, corners, (size_t)count * sizeof *corners);
+  extend(piece, job->output->runs + piece->begin, false, need, cursor->corner, (uint32_t)count);
+  widen(piece, corners, count);
+  cursor->corner += (uint32_t)count;
+}
+
+/* Any cell. */
+static void prepare_cell(const struct job *job, gl_piece *piece, size_t i, struct cursor *cursor) {
   static const float nothing[GL_RECORD_FLOATS] = {0, 0, 1, 0}; /* the last interval lies before the first one */
   const gl_cells *cells = job->cells;
   const gl_cells_output *output = job->output;
-  uint32_t corner = 3 * GL_CELLS_TRIANGLES * piece->begin, fan_corner = 3 * GL_FAN_TRIANGLES * piece->begin;
+  struct cell cell;
+  gl_record record; /* everything is copied as a whole: the buffers may be write-combined memory */
+  record.has_extra = false;
+  const bool is_seen = look_at(cells, job->order[i], &cell);
+  const bool is_fan = is_seen && piece->as_fans && !cell.wild && cell.sides >> 4 != 0;
+  int count = 0;
+  if (is_fan) {
+    gl_fan_corner made[3 * GL_FAN_TRIANGLES];
+    count = write_fan(cells, &cell, (float)i, &record, made);
+    memcpy(output->fan_corners + cursor->fan_corner, made, (size_t)count * sizeof *made);
+    const gl_need need = need_of_cell(cells, &cell, false);
+    extend(piece, output->runs + piece->begin, true, need, cursor->fan_corner, (uint32_t)count);
+    cursor->fan_corner += (uint32_t)count;
+  } else if (is_seen) {
+    gl_corner made[3 * GL_CELLS_TRIANGLES];
+    count = write_footprint(cells, &cell, (float)i, &record, made);
+    const gl_need need = piece->is_group ? GL_NEED_ANYTHING : need_of_cell(cells, &cell, record.has_extra);
+    add_corners(job, piece, cursor, need, made, count);
+    piece->left_count += piece->as_fans && count > 0;
+  }
+  if (piece->is_group) {
+    if (!record.has_extra) record.extra = (gl_extra){0};
+    record.extra.first_record = (float)piece->begin;
+    record.extra.member_count = (float)piece->count;
+    if (count == 0) memcpy(output->records[i], nothing, sizeof nothing);
+  }
+  if (record.has_extra || piece->is_group) {
+    output->extras[i] = record.extra;
+    piece->has_extras = true;
+  }
+  if (count == 0) return;
+  memcpy(output->records[i], record.floats, sizeof record.floats);
+  if (output->lights != NULL) memcpy(output->lights[i], record.lights, sizeof record.lights);
+  piece->cell_count++;
+}
+
+/* One of four plain cells. */
+static void take_plain(const struct job *job, gl_piece *piece, size_t i, gl_plain *plain, int lane,
+                       struct cursor *cursor) {
+  const gl_cells *cells = job->cells;
+  gl_corner corners[3 * GL_CELLS_TRIANGLES];
+  int count = 0;
+  for (int k = 2; k < plain->corner_count[lane]; k++)
+    for (int c = 0; c < 3; c++) {
+      const float *at = plain->footprints[lane][c == 0 ? 0 : k - 2 + c];
+      corners[count++] = (gl_corner){at[0], at[1], (float)i};
+    }
+  gl_record_light(cells, job->order[i], plain->records[lane]);
+  memcpy(job->output->records[i], plain->records[lane], sizeof plain->records[lane]);
+  add_corners(job, piece, cursor, need_of(cells, &plain->shown[lane], plain->longest[lane]), corners, count);
+  piece->cell_count++;
+}
+
+static void prepare_piece(const struct job *job, gl_piece *piece) {
+  struct cursor cursor = {3 * GL_CELLS_TRIANGLES * piece->begin, 3 * GL_FAN_TRIANGLES * piece->begin};
   piece->run_count = piece->triangle_count = piece->cell_count = piece->left_count = 0;
-  piece->traits = piece->is_group ? GL_PIECE_ANY : 0;
-  piece->interval = 0;
+  piece->has_extras = false;
   for (int k = 0; k < 2; k++) {
     piece->low[k] = 1;
     piece->high[k] = -1;
   }
-  for (size_t i = piece->begin; i < piece->begin + piece->count; i++) {
-    struct cell cell;
-    gl_record record; /* everything is copied as a whole: the buffers may be write-combined memory */
-    record.has_extra = false;
-    const bool is_seen = look_at(cells, job->order[i], &cell);
-    const bool is_fan = is_seen && piece->as_fans && !cell.wild && cell.sides >> 4 != 0;
-    int count = 0;
-    if (is_fan) {
-      gl_fan_corner made[3 * GL_FAN_TRIANGLES];
-      count = write_fan(cells, &cell, (float)i, &record, made);
-      memcpy(output->fan_corners + fan_corner, made, (size_t)count * sizeof *made);
-      extend(piece, output->runs + piece->begin, true, fan_corner, (uint32_t)count);
-      fan_corner += (uint32_t)count;
-    } else if (is_seen) {
-      gl_corner made[3 * GL_CELLS_TRIANGLES];
-      count = write_footprint(cells, &cell, (float)i, &record, made);
-      memcpy(output->corners + corner, made, (size_t)count * sizeof *made);
-      extend(piece, output->runs + piece->begin, false, corner, (uint32_t)count);
-      widen(piece, made, count);
-      corner += (uint32_t)count;
-      piece->left_count += piece->as_fans && count > 0;
-    }
-    if (piece->is_group) {
-      if (!record.has_extra) record.extra = (gl_extra){0};
-      record.extra.first_record = (float)piece->begin;
-      record.extra.member_count = (float)piece->count;
-      if (count == 0) memcpy(output->records[i], nothing, sizeof nothing);
-    }
-    if (record.has_extra || piece->is_group) memcpy(&output->extras[i], &record.extra, sizeof record.extra);
-    if (count == 0) continue;
-    if (piece->cell_count == 0) piece->interval = cell.shown.first;
-    piece->traits |= traits_of(cells, &cell, record.has_extra, piece->interval);
-    memcpy(output->records[i], record.floats, sizeof record.floats);
-    if (output->lights != NULL) memcpy(output->lights[i], record.lights, sizeof record.lights);
-    piece->cell_count++;
+  const bool may_be_plain = !piece->is_group && !piece->as_fans && job->output->lights == NULL;
+  size_t i = piece->begin;
+  const size_t end = i + piece->count;
+  for (; may_be_plain && i + GL_PLAIN_LANES <= end; i += GL_PLAIN_LANES) {
+    gl_plain plain;
+    job->kernel(job->cells, &job->order[i], &plain);
+    for (int lane = 0; lane < GL_PLAIN_LANES; lane++)
+      if (plain.left >> lane & 1)
+        prepare_cell(job, piece, i + (size_t)lane, &cursor);
+      else if (!(plain.nothing >> lane & 1))
+        take_plain(job, piece, i + (size_t)lane, &plain, lane, &cursor);
   }
-  if (!(piece->traits & GL_PIECE_MANY)) return;
-  piece->traits &= ~(unsigned)GL_PIECE_DEEP; /* one kind of call for all of them */
-  piece->interval = 0;
+  for (; i < end; i++) prepare_cell(job, piece, i, &cursor);
+  merge_runs(piece, job->output->runs + piece->begin);
 }
 
 static void prepare_pieces(void *user, size_t begin, size_t end, unsigned worker) {
@@ -333,6 +416,9 @@ static void prepare_pieces(void *user, size_t begin, size_t end, unsigned worker
 
 void gl_cells_prepare(const gl_cells *cells, const uint32_t *order, gl_piece *pieces, size_t piece_count,
                       const gl_cells_output *output) {
-  struct job job = {cells, order, pieces, output};
+  struct job job = {cells, order, pieces, output, gl_plain_portable};
+#ifdef CELLIST_GL_AVX2
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) job.kernel = gl_plain_avx2;
+#endif
   cellist_parallel_for(cells->context, piece_count, 1, prepare_pieces, &job);
 }

@@ -30,12 +30,23 @@ typedef struct gl_cells_mesh {
   float *scalars;       /* the same, scaled; NaN where not finite */
 } gl_cells_mesh;
 
-/* A point as a frame has it, in one cache line's half. */
+/* Of a point: beyond each side of the view, before the near plane; without a useful place in the picture. */
+enum { GL_OUTSIDE_VIEW = 31, GL_OUTSIDE_NEAR = 16, GL_OUTSIDE_WILD = 32, GL_OUTSIDE_BITS = 6 };
+/* Intervals that fit beside these bits. */
+enum { GL_POINT_INTERVALS = 1 << 24 };
+
+/* A point as a frame has it, in half a cache line. */
 typedef struct gl_point {
   double at[3];     /* as gl_picture wants corners */
   float scalar;     /* scaled, if scalars are on points */
-  uint32_t outside; /* OUTSIDE bits of cells.c */
+  uint32_t outside; /* GL_OUTSIDE bits; above them the scalar's interval, if all fit */
 } gl_point;
+
+/* The scaled scalars of a tet's corners and the transfer function's intervals that they touch. */
+typedef struct gl_shown {
+  float scalars[4];
+  uint32_t first, last;
+} gl_shown;
 
 /* One frame. Lengths are in `unit`, so that single precision has their range whatever the mesh is measured in. */
 typedef struct gl_cells {
@@ -50,13 +61,12 @@ typedef struct gl_cells {
   gl_point *points; /* [point_count] */
 } gl_cells;
 
-/* What a piece's cells ask of the program that draws them. */
-enum {
-  GL_PIECE_SPECIAL = 1, /* an extra, a wild corner or one before the near plane */
-  GL_PIECE_MANY = 2,    /* not all in one interval of the transfer function */
-  GL_PIECE_DEEP = 4,    /* segments deeper than THICK in exact.glsl */
-  GL_PIECE_ANY = 7
-};
+/* What cells ask of the program that draws them: less is faster. */
+typedef enum gl_need {
+  GL_NEED_LITTLE,  /* two intervals of the transfer function at most, no segment deeper than THICK in exact.glsl */
+  GL_NEED_DEPTH,   /* any intervals and depths */
+  GL_NEED_ANYTHING /* and an extra, a wild corner or one before the near plane */
+} gl_need;
 
 /* Part of an order that is prepared and drawn together: cells from far to near, or a small group. */
 typedef struct gl_piece {
@@ -66,8 +76,7 @@ typedef struct gl_piece {
   /* Filled in by gl_cells_prepare: runs, triangles, cells that show something, those of them that as_fans left to
    * footprints, and where the footprints are (-1..1). */
   uint32_t run_count, triangle_count, cell_count, left_count;
-  unsigned traits;   /* GL_PIECE bits */
-  uint32_t interval; /* if not GL_PIECE_MANY */
+  bool has_extras;
   float low[2], high[2];
 } gl_piece;
 
@@ -75,6 +84,7 @@ typedef struct gl_piece {
 typedef struct gl_run {
   uint32_t first, count;
   bool is_fan;
+  gl_need need;
 } gl_run;
 
 /* What some records have beside them; written only where a record has faces seen edge-on or back faces alone, or lies
@@ -109,6 +119,9 @@ double gl_unit_of(const cellist_mesh_arrays *mesh);
 cellist_result gl_cells_begin(cellist_context *context, const gl_cells_mesh *mesh, const cellist_frame *frame,
                               const gl_intervals *intervals, const gl_light *light, double margin, gl_cells *cells);
 void gl_cells_release(gl_cells *cells);
+
+/* What a tet of these points shows; false if nothing. */
+bool gl_cells_find_shown(const gl_cells *cells, uint32_t tet, const gl_point *const points[4], gl_shown *shown);
 
 /* Prepares the pieces of order: record i is that of order[i], if it shows anything; in a group the others get one of
  * which the last interval lies before the first one. The runs of a piece that begins at b stand from output->runs + b

@@ -9,15 +9,16 @@
 #include <math.h>
 #include <string.h>
 
-/* Corners further out than this many half pictures are wild: the rasteriser's fixed-point numbers end somewhere. */
-static const double FAR_OUT = 8;
-/* 1 + cosine of the turn at a corner: below, growing would move the corner by more than ten margins. */
-static const double SHARPEST_TURN = 0.02;
+/* By the back faces: around one (or around three: the face that is not one), or the four corners of two. */
+const uint8_t GL_FOOTPRINT_RINGS[16][5] = {
+    {0},          {3, 1, 2, 3}, {3, 0, 2, 3},    {4, 2, 0, 3, 1}, {3, 0, 1, 3}, {4, 1, 0, 3, 2}, {4, 0, 1, 3, 2},
+    {3, 0, 1, 2}, {3, 0, 1, 2}, {4, 1, 0, 2, 3}, {4, 0, 1, 2, 3}, {3, 0, 1, 3}, {4, 0, 2, 1, 3}, {3, 0, 2, 3},
+    {3, 1, 2, 3}, {0}};
 
 bool gl_corner_is_wild(const gl_picture *picture, const double corner[3]) {
   const double w = picture->parallel ? 1 : corner[2];
-  return !(w > picture->least_depth && fabs(corner[0]) <= FAR_OUT * picture->half_width * w &&
-           fabs(corner[1]) <= FAR_OUT * picture->half_height * w);
+  return !(w > picture->least_depth && fabs(corner[0]) <= GL_FAR_OUT * picture->half_width * w &&
+           fabs(corner[1]) <= GL_FAR_OUT * picture->half_height * w);
 }
 
 /* The rectangle along the polygon's longest edge, grown by the margin. */
@@ -65,7 +66,7 @@ static int grow(const gl_picture *picture, double (*polygon)[2], int count, doub
   for (int i = 0; i < count; i++) {
     const double *m = normals[(i + count - 1) % count], *n = normals[i];
     const double turn = 1 + m[0] * n[0] + m[1] * n[1];
-    if (!(turn > SHARPEST_TURN)) return box_around(picture, polygon, count, out);
+    if (!(turn > GL_SHARPEST_TURN)) return box_around(picture, polygon, count, out);
     for (int k = 0; k < 2; k++) out[i][k] = polygon[i][k] + picture->margin * (m[k] + n[k]) / turn;
   }
   return count;
@@ -73,12 +74,7 @@ static int grow(const gl_picture *picture, double (*polygon)[2], int count, doub
 
 int gl_footprint_of_tet(const gl_picture *picture, const double *const corners[4], unsigned back,
                         double out[GL_FOOTPRINT_CORNERS][2]) {
-  /* By the back faces: around one (or around three: the face that is not one), or the four corners of two. */
-  static const uint8_t around[16][5] = {
-      {0},          {3, 1, 2, 3}, {3, 0, 2, 3},    {4, 2, 0, 3, 1}, {3, 0, 1, 3}, {4, 1, 0, 3, 2}, {4, 0, 1, 3, 2},
-      {3, 0, 1, 2}, {3, 0, 1, 2}, {4, 1, 0, 2, 3}, {4, 0, 1, 2, 3}, {3, 0, 1, 3}, {4, 0, 2, 1, 3}, {3, 0, 2, 3},
-      {3, 1, 2, 3}, {0}};
-  const uint8_t *ring = around[back & 15];
+  const uint8_t *ring = GL_FOOTPRINT_RINGS[back & 15];
   double polygon[GL_FOOTPRINT_CORNERS][2];
   for (int i = 0; i < ring[0]; i++) {
     const double *corner = corners[ring[1 + i]];

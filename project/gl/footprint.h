@@ -9,6 +9,14 @@
 
 enum { GL_FOOTPRINT_CORNERS = 4 };
 
+/* Corners further out than this many half pictures are wild: the rasteriser's fixed-point numbers end somewhere. */
+#define GL_FAR_OUT 8.0
+/* 1 + cosine of the turn at a corner: below, growing would move the corner by more than ten margins. */
+#define GL_SHARPEST_TURN 0.02
+
+/* By the bits of a tet's back faces, the number of its footprint's corners and which they are, around it. */
+extern const uint8_t GL_FOOTPRINT_RINGS[16][5];
+
 /* Corners of cells are given in pixels from the picture's centre times depth (right, up), and depth; parallel: not
  * times depth. */
 typedef struct gl_picture {

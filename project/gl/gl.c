@@ -145,6 +145,7 @@ void cellist_gl_destroy(cellist_gl *gl) {
   cellist_deallocate(gl->context, gl->gradients);
   cellist_deallocate(gl->context, gl->pieces);
   cellist_deallocate(gl->context, gl->runs);
+  cellist_deallocate(gl->context, gl->extras);
   cellist_deallocate(gl->context, gl->device_name);
   cellist_deallocate(gl->context, gl);
 }

@@ -55,7 +55,7 @@ static cellist_result draw_members(struct group *group, gl_stage stage) {
   for (size_t begin = 0; begin < group->count && result == CELLIST_SUCCESS; begin += step) {
     const size_t left = group->count - begin;
     if (group->count > step) result = send(group, begin, left < step ? left : step);
-    if (result == CELLIST_SUCCESS) result = gl_use_stage(drawing, stage, GL_PIECE_ANY, 0);
+    if (result == CELLIST_SUCCESS) result = gl_use_stage(drawing, stage, GL_NEED_ANYTHING);
     if (result != CELLIST_SUCCESS) break;
     api->Uniform1i(api->GetUniformLocation(drawing->program, "first_record"), (GLint)begin);
     result = gl_batch_draw(drawing, group->piece_count, stage);
@@ -67,7 +67,7 @@ static cellist_result draw_members(struct group *group, gl_stage stage) {
 
 static cellist_result resolve(gl_drawing *drawing, gl_stage stage) {
   const gl_api *api = &drawing->gl->api;
-  const cellist_result result = gl_use_stage(drawing, stage, GL_PIECE_ANY, 0);
+  const cellist_result result = gl_use_stage(drawing, stage, GL_NEED_ANYTHING);
   if (result != CELLIST_SUCCESS) return result;
   api->BindVertexArray(drawing->gl->no_vertices);
   api->DrawArrays(GL_TRIANGLES, 0, 3);
@@ -273,7 +273,7 @@ static cellist_result draw_layers(struct group *group, const struct part *part) 
   api->ClearBufferfv(GL_COLOR, 1, beyond);
   for (int into = 0; result == CELLIST_SUCCESS; into = 1 - into) {
     begin_layer(drawing, into);
-    result = gl_use_stage(drawing, GL_STAGE_LAYER, GL_PIECE_ANY, 0);
+    result = gl_use_stage(drawing, GL_STAGE_LAYER, GL_NEED_ANYTHING);
     if (result != CELLIST_SUCCESS) break;
     api->Uniform1f(api->GetUniformLocation(drawing->program, "place_scale"), scale);
     GLuint64 found = 0;

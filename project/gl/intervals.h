@@ -44,6 +44,13 @@ static inline uint32_t gl_interval_of(const gl_intervals *intervals, float value
   return (uint32_t)low;
 }
 
+/* Extinction, per unit, of a scaled value by the function that holds in an interval, and on to its ends outside. */
+static inline float gl_intervals_extinction(const gl_intervals *intervals, uint32_t interval, float value) {
+  const float *texel = &intervals->texels[GL_INTERVAL_FLOATS * (size_t)interval];
+  const float at = (value - texel[0]) * texel[2];
+  return texel[7] + (at > 0 ? at < 1 ? at : 1 : 0) * (texel[11] - texel[7]);
+}
+
 /* Whether anything of the scalars in the intervals first..last can be seen. */
 static inline bool gl_intervals_show(const gl_intervals *intervals, uint32_t first, uint32_t last) {
   if (intervals->model == CELLIST_MODEL_MAXIMUM) return true;

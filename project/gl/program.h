@@ -5,7 +5,7 @@
 
 #include "api.h"
 
-enum { GL_PROGRAM_PARTS = 8 }; /* texts a shader may be put together from */
+enum { GL_PROGRAM_PARTS = 12 }; /* texts a shader may be put together from */
 
 /* Compiles and links as GLSL of that version (410: OpenGL 4.1). defines: lines "#define NAME\n" or ""; both lists end
  * with NULL. Fails with GRAPHICS and the driver's words, or OUT_OF_MEMORY; the context must be current. */

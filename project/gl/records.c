@@ -9,10 +9,6 @@
 /* What an exact sign leaves of a number that rounding made 0 or of the other sign: its size does not matter, as the
  * face is seen edge-on to the last digit. 0 itself would make a back face's cell infinitely long. */
 static const double TINY_COORDINATE = 1e-12;
-/* Pixels. A face whose picture is thinner is a line: single precision cannot tell on which side of it, or in it, a
- * pixel lies. Larger: pixels in a face's picture lose the crossing from one cell to the other. Smaller: both cells at a
- * face, or neither, may draw a pixel. */
-static const double THIN_FACE = 1.0 / 4096;
 /* In 1 / depth (parallel: depth) and units, what is as good as infinitely far towards the eye; its square and what it
  * is multiplied with fit a float. */
 static const double FAR_OFF = 1e18;
@@ -212,7 +208,7 @@ static bool find_line(const gl_cells *cells, uint32_t tet, unsigned face, bool i
     v[k] = p[2][k] - p[0][k];
   }
   cross(n, u, v);
-  if (!is_exact && (wild || !(distance_from_line(p, n, cells->frame.parallel) < THIN_FACE))) return false;
+  if (!is_exact && (wild || !(distance_from_line(p, n, cells->frame.parallel) < GL_THIN_FACE))) return false;
   if (cells->frame.parallel) n[2] = -(n[0] * p[0][0] + n[1] * p[0][1]);
   const double size =
       fmax(fmax(fabs(n[0]) * cells->picture.half_width, fabs(n[1]) * cells->picture.half_height), fabs(n[2]));

@@ -5,11 +5,10 @@
 
 #include "cells.h"
 
-/* The scaled scalars of a tet's corners and the transfer function's intervals that they touch. */
-typedef struct gl_shown {
-  float scalars[4];
-  uint32_t first, last;
-} gl_shown;
+/* Pixels. A face whose picture is thinner is a line: single precision cannot tell on which side of it, or in it, a
+ * pixel lies. Larger: pixels in a face's picture lose the crossing from one cell to the other. Smaller: both cells at a
+ * face, or neither, may draw a pixel. */
+#define GL_THIN_FACE (1.0 / 4096)
 
 /* Everything that a cell has in OpenGL's buffers beside its triangles. */
 typedef struct gl_record {

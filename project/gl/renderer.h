@@ -34,17 +34,15 @@ enum {
   GL_VARIANT_LIT = 4, /* by gradients at points */
   GL_VARIANT_LIT_CELLS = 8,
   GL_VARIANT_LIMITS = 16,
-  GL_VARIANT_PLAIN = 32,        /* nothing is GL_PIECE_SPECIAL */
-  GL_VARIANT_ONE_INTERVAL = 64, /* nothing is GL_PIECE_MANY */
-  GL_VARIANT_THIN = 128,        /* nor GL_PIECE_DEEP */
-  GL_VARIANT_COUNT = 256
+  GL_VARIANT_PLAIN = 32,  /* nothing needs GL_NEED_ANYTHING */
+  GL_VARIANT_LITTLE = 64, /* nor GL_NEED_DEPTH */
+  GL_VARIANT_COUNT = 128
 };
 
 /* A program keeps its uniforms: name 0: not built yet. */
 typedef struct gl_program {
   GLuint name;
-  uint64_t frame;    /* whose uniforms it has */
-  uint32_t interval; /* and which interval's, if it is for one */
+  uint64_t frame; /* whose uniforms it has */
 } gl_program;
 
 /* Cells that are prepared and sent together: up to 296 bytes each then stay below 10 MB. */
@@ -93,7 +91,8 @@ struct cellist_gl {
   double longest;   /* edge of the mesh; negative: not known yet */
   gl_piece *pieces; /* [piece_capacity] */
   size_t piece_capacity;
-  gl_run *runs; /* [chunk_cells] */
+  gl_run *runs;     /* [chunk_cells] */
+  gl_extra *extras; /* [chunk_cells] */
   gl_lists lists;
   gl_layers layers;
 };
@@ -126,9 +125,8 @@ enum {
   GL_UNIT_SURFACE = GL_UNIT_TABLES + 3 /* five, see gl_surface_draw */
 };
 
-/* Makes the stage's program current, compiled when first used. traits: GL_PIECE bits of what it will draw;
- * interval: if they do not hold GL_PIECE_MANY. */
-cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage, unsigned traits, uint32_t interval);
+/* Makes the stage's program current, compiled when first used. need: of what it will draw. */
+cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage, gl_need need);
 
 /* Fails with the first error that OpenGL has recorded; what: was being done. */
 cellist_result gl_check_errors(cellist_gl *gl, const char *what);

@@ -6,9 +6,10 @@
 #include "renderer.h"
 
 extern const char cellist_text_faces_vert[], cellist_text_everywhere_vert[], cellist_text_segment_glsl[],
-    cellist_text_cell_glsl[], cellist_text_fan_vert[], cellist_text_fan_glsl[], cellist_text_faces_frag[],
-    cellist_text_small_groups_frag[], cellist_text_list_nodes_glsl[], cellist_text_list_frag[],
-    cellist_text_list_resolve_frag[], cellist_text_layer_frag[], cellist_text_layer_resolve_frag[];
+    cellist_text_cell_glsl[], cellist_text_fan_vert[], cellist_text_fan_glsl[], cellist_text_handed_glsl[],
+    cellist_text_hand_on_glsl[], cellist_text_faces_frag[], cellist_text_small_groups_frag[],
+    cellist_text_list_nodes_glsl[], cellist_text_list_frag[], cellist_text_list_resolve_frag[],
+    cellist_text_layer_frag[], cellist_text_layer_resolve_frag[];
 
 static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integrator, unsigned variant,
                             GLuint *program) {
@@ -25,14 +26,15 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
   };
   const bool of_pixels = stage == GL_STAGE_LIST_RESOLVE || stage == GL_STAGE_LAYER_RESOLVE;
   const bool of_fans = stage == GL_STAGE_FAN;
-  const char *const vertex[] = {of_pixels ? cellist_text_everywhere_vert
-                                : of_fans ? cellist_text_fan_vert
-                                          : cellist_text_faces_vert,
-                                NULL};
-  const char *fragment[GL_INTEGRATOR_TEXTS + 4], *before = "";
+  const char *const of_corners[] = {"#define HANDED flat out\n", cellist_text_handed_glsl, cellist_text_hand_on_glsl,
+                                    of_fans ? cellist_text_fan_vert : cellist_text_faces_vert, NULL};
+  const char *const everywhere[] = {cellist_text_everywhere_vert, NULL};
+  const char *fragment[GL_INTEGRATOR_TEXTS + 6], *before = "";
   size_t count = 0;
   if (stages[stage].nodes != NULL) fragment[count++] = stages[stage].nodes;
   if (!of_pixels) {
+    fragment[count++] = "#define HANDED flat in\n";
+    fragment[count++] = cellist_text_handed_glsl;
     before = gl_integrator_texts(integrator, variant & GL_VARIANT_LIT, &fragment[count]);
     while (fragment[count] != NULL) count++;
     fragment[count++] = cellist_text_segment_glsl;
@@ -40,15 +42,15 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
   }
   fragment[count++] = stages[stage].main;
   fragment[count] = NULL;
-  static const char *const names[] = {"#define PARALLEL\n",     "#define WITH_DEPTH\n",  "",
-                                      "#define LIT_CELLS\n",    "#define WITH_LIMITS\n", "#define PLAIN\n",
-                                      "#define ONE_INTERVAL\n", "#define THIN\n"};
+  static const char *const names[] = {"#define PARALLEL\n",  "#define WITH_DEPTH\n",  "",
+                                      "#define LIT_CELLS\n", "#define WITH_LIMITS\n", "#define PLAIN\n",
+                                      "#define LITTLE\n"};
   char defines[512];
   size_t length = (size_t)snprintf(defines, sizeof defines, "%s", before);
   for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
     if (variant & 1u << i) length += (size_t)snprintf(defines + length, sizeof defines - length, "%s", names[i]);
-  return gl_program_build(gl->context, &gl->api, stages[stage].nodes != NULL ? 430 : 410, defines, vertex, fragment,
-                          program);
+  return gl_program_build(gl->context, &gl->api, stages[stage].nodes != NULL ? 430 : 410, defines,
+                          of_pixels ? everywhere : of_corners, fragment, program);
 }
 
 static void set_light(const gl_drawing *drawing, GLuint program) {
@@ -61,16 +63,6 @@ static void set_light(const gl_drawing *drawing, GLuint program) {
   api->Uniform3f(api->GetUniformLocation(program, "halfway"), (float)h[0], (float)h[1], (float)h[2]);
   api->Uniform4f(api->GetUniformLocation(program, "shares"), (float)light->light.ambient, (float)light->light.diffuse,
                  (float)light->light.specular, (float)light->light.shininess);
-}
-
-static void set_interval(const gl_drawing *drawing, uint32_t interval, GLuint program) {
-  const gl_api *api = &drawing->gl->api;
-  const float *texel = &drawing->intervals.texels[GL_INTERVAL_FLOATS * (size_t)interval];
-  const float *low = &texel[4], *high = &texel[8];
-  api->Uniform2f(api->GetUniformLocation(program, "interval_span"), texel[0], texel[2]);
-  api->Uniform4f(api->GetUniformLocation(program, "interval_low"), low[0], low[1], low[2], low[3]);
-  api->Uniform4f(api->GetUniformLocation(program, "interval_rise"), high[0] - low[0], high[1] - low[1],
-                 high[2] - low[2], high[3] - low[3]);
 }
 
 /* A program keeps its uniforms; those of this frame are set when it is first used in it. Names that a program does not
@@ -96,8 +88,7 @@ static void set_uniforms(const gl_drawing *drawing, gl_integrator integrator, GL
   gl_tables_bind(api, &drawing->gl->tables, integrator, drawing->cells.unit, program, GL_UNIT_TABLES);
 }
 
-/* Cells are told apart by what they need only where the program gains by it. */
-static unsigned variant_of(const gl_drawing *drawing, gl_stage stage, gl_integrator integrator, unsigned traits) {
+static unsigned variant_of(const gl_drawing *drawing, gl_stage stage, gl_integrator integrator, gl_need need) {
   const gl_light *light = &drawing->cells.light;
   unsigned variant = (drawing->frame->parallel ? GL_VARIANT_PARALLEL : 0) |
                      (drawing->with_depth ? GL_VARIANT_DEPTH : 0) | (drawing->with_limits ? GL_VARIANT_LIMITS : 0);
@@ -105,32 +96,24 @@ static unsigned variant_of(const gl_drawing *drawing, gl_stage stage, gl_integra
     variant |= GL_VARIANT_LIT;
   else if (light->enabled)
     variant |= GL_VARIANT_LIT_CELLS;
-  if ((stage != GL_STAGE_BLEND && stage != GL_STAGE_FAN) || traits & GL_PIECE_SPECIAL) return variant;
+  if ((stage != GL_STAGE_BLEND && stage != GL_STAGE_FAN) || need == GL_NEED_ANYTHING) return variant;
   variant |= GL_VARIANT_PLAIN;
-  if (integrator != GL_INTEGRATOR_EXACT || light->gradients != NULL || traits & GL_PIECE_MANY) return variant;
-  return variant | GL_VARIANT_ONE_INTERVAL | (traits & GL_PIECE_DEEP ? 0 : GL_VARIANT_THIN);
+  const bool integrates_little = integrator == GL_INTEGRATOR_EXACT && light->gradients == NULL;
+  return integrates_little && need == GL_NEED_LITTLE ? variant | GL_VARIANT_LITTLE : variant;
 }
 
-cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage, unsigned traits, uint32_t interval) {
+cellist_result gl_use_stage(gl_drawing *drawing, gl_stage stage, gl_need need) {
   cellist_gl *gl = drawing->gl;
-  const gl_api *api = &gl->api;
   const gl_integrator integrator = gl_integrator_of(&drawing->settings->optics);
-  const unsigned variant = variant_of(drawing, stage, integrator, traits);
+  const unsigned variant = variant_of(drawing, stage, integrator, need);
   gl_program *program = &gl->programs[stage][integrator][variant];
   if (program->name == 0) {
     const cellist_result result = build(gl, stage, integrator, variant, &program->name);
     if (result != CELLIST_SUCCESS) return result;
   }
-  if (drawing->program != program->name) api->UseProgram(program->name);
+  if (drawing->program != program->name) gl->api.UseProgram(program->name);
   drawing->program = program->name;
-  if (program->frame != gl->frame_count) {
-    set_uniforms(drawing, integrator, program->name);
-    program->interval = UINT32_MAX;
-  }
+  if (program->frame != gl->frame_count) set_uniforms(drawing, integrator, program->name);
   program->frame = gl->frame_count;
-  if (variant & GL_VARIANT_ONE_INTERVAL && program->interval != interval) {
-    set_interval(drawing, interval, program->name);
-    program->interval = interval;
-  }
   return CELLIST_SUCCESS;
 }

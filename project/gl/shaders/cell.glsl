@@ -15,17 +15,12 @@
 //   5  what light multiplies colours by, and the highlight it adds, if there is light on cells' own gradients
 // A face seen edge-on has an infinite t; its extra tells on which side of it a pixel lies.
 uniform samplerBuffer records;
-flat in int record;
-flat in vec4 record0, record1, record2, record3, record4;
-#ifdef LIT_CELLS
-flat in vec4 record5;
-#endif
-uniform vec2 centre;         // of the image, in pixels
-uniform vec2 slope;          // across one pixel at depth 1
+uniform vec2 centre; // of the image, in pixels
+uniform vec2 slope;  // across one pixel at depth 1
 #ifdef WITH_LIMITS
-uniform sampler2D limits;    // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
+uniform sampler2D limits; // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
 #endif
-#ifndef PLAIN                // no cell of the batch has an extra or lies at the near plane
+#ifndef PLAIN // no cell of the batch has an extra or lies at the near plane
 uniform samplerBuffer extras;
 uniform float near_distance;
 #endif
@@ -33,7 +28,7 @@ uniform float near_distance;
 const float BIG = 1.0e18; // as FAR_OFF in records.c
 
 struct cell {
-  vec4 head, base, field, face0, face1, light;
+  vec4 head, base, field, face0, face1, light, ray;
 };
 
 // A field's value on the plane, t further towards the eye, where 1 / depth is 1 / scale.
@@ -114,7 +109,7 @@ bool meet_cell(cell c, int record, vec2 pixel, out segment met) {
   float exit_scale = both * at_entry, entry_scale = both * at_exit; // the depths
   met.exit_depth = exit_scale;
   met.thickness = (entry - exit) * both;
-  met.len = met.thickness * length(vec3((pixel - centre) * slope, 1.0));
+  met.len = met.thickness * length(vec3(c.ray.xy + offset * c.ray.zw, 1.0));
 #endif
   met.front = along(c.field.xyz, c.base.w, offset, entry, entry_scale);
   met.back = along(c.field.xyz, c.base.w, offset, exit, exit_scale);
@@ -143,11 +138,11 @@ bool meet(int record, vec2 pixel, out segment met) {
 #ifdef LIT_CELLS
   c.light = texelFetch(records, at + 5);
 #endif
+  c.ray = vec4((abs(c.head.xy) - centre) * slope, slope);
   return meet_cell(c, record, pixel, met);
 }
 
-// The cell that the fragment belongs to. Its record was fetched by the vertices: on software OpenGL a fetch a fragment
-// costs a gather a number.
+// The cell that the fragment belongs to.
 bool meet_here(out segment met) {
   cell c;
   c.head = record0;
@@ -158,5 +153,6 @@ bool meet_here(out segment met) {
 #ifdef LIT_CELLS
   c.light = record5;
 #endif
+  c.ray = ray;
   return meet_cell(c, record, gl_FragCoord.xy, met);
 }

@@ -1,13 +1,7 @@
 // Cells of renderer `fan`: what the corners of a fan's triangle say is interpolated over the picture [C 2]; in
 // perspective scalars come divided by their own depth.
-flat in vec4 record0; // as in cell.glsl; of it the intervals
-#ifdef LIT_CELLS
-flat in vec4 record5; // the light
-#endif
 in vec4 between;    // scalar / depth, 1 / depth at the front, at the back; parallel: scalar, depth
 in float thickness; // difference of 1 / depth; parallel: of depth
-uniform vec2 centre;         // of the image, in pixels
-uniform vec2 slope;          // across one pixel at depth 1
 #ifdef WITH_LIMITS
 uniform sampler2D limits;    // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
 #elif !defined(PLAIN)        // no fan lies at the near plane
@@ -54,7 +48,7 @@ bool meet_here(out segment met) {
 #ifdef PARALLEL
   met.len = met.thickness;
 #else
-  met.len = met.thickness * length(vec3((gl_FragCoord.xy - centre) * slope, 1.0));
+  met.len = met.thickness * length(vec3(ray.xy + gl_FragCoord.xy * ray.zw, 1.0)); // a fan's record has pixel 0, 0
 #endif
   met.range = ivec2(record0.zw);
 #ifdef LIT_CELLS

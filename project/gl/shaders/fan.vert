@@ -5,18 +5,10 @@ layout(location = 1) in vec4 ends;
 layout(location = 2) in float thick;
 out vec4 between;
 out float thickness;
-uniform samplerBuffer records;
-flat out vec4 record0; // of the record: its intervals
-#ifdef LIT_CELLS
-flat out vec4 record5; // and its light
-#endif
 
 void main() {
   gl_Position = vec4(corner.xy, 0.0, 1.0);
-  record0 = texelFetch(records, 6 * int(corner.z));
-#ifdef LIT_CELLS
-  record5 = texelFetch(records, 6 * int(corner.z) + 5);
-#endif
+  hand_on(int(corner.z));
   between = ends;
   thickness = thick;
 }

@@ -1,0 +1,30 @@
+// Hands on what is the same for all of a cell.
+uniform samplerBuffer records;
+uniform samplerBuffer intervals; // as in exact.glsl
+uniform vec2 centre;             // of the image, in pixels
+uniform vec2 slope;              // across one pixel at depth 1
+
+void hand_on(int number) {
+  record = number;
+  record0 = texelFetch(records, 6 * number);
+  record1 = texelFetch(records, 6 * number + 1);
+  record2 = texelFetch(records, 6 * number + 2);
+  record3 = texelFetch(records, 6 * number + 3);
+  record4 = texelFetch(records, 6 * number + 4);
+#ifdef LIT_CELLS
+  record5 = texelFetch(records, 6 * number + 5);
+#endif
+  ray = vec4((abs(record0.xy) - centre) * slope, slope);
+#ifdef LITTLE
+  // Two intervals meet at the knot; if there is one, the knot is its lower end.
+  ivec2 range = ivec2(record0.zw);
+  vec4 span = texelFetch(intervals, 3 * range.x);
+  vec4 low = texelFetch(intervals, 3 * range.x + 1), high = texelFetch(intervals, 3 * range.x + 2);
+  bool one = range.x == range.y;
+  below = (high - low) * span.z;
+  above = below;
+  middle = one ? low : high;
+  record0.z = one ? span.x : span.y;
+  if (!one) above = (texelFetch(intervals, 3 * range.y + 2) - high) * texelFetch(intervals, 3 * range.y).z;
+#endif
+}

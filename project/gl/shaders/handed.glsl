@@ -1,0 +1,11 @@
+// What a cell's corners hand on to its fragments, the same at each of them. On software OpenGL a number that is handed
+// on costs a fragment nothing; one from a buffer, and a uniform too, costs a gather over eight pixels.
+HANDED int record;
+HANDED vec4 record0, record1, record2, record3, record4; // of the record, see cell.glsl
+#ifdef LIT_CELLS
+HANDED vec4 record5;
+#endif
+HANDED vec4 ray; // direction across the picture at the record's pixel for depth 1, and its change per pixel
+#ifdef LITTLE
+HANDED vec4 below, middle, above; // colour and extinction at the knot (record0.z), slopes below and above it
+#endif
