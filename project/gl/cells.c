@@ -262,8 +262,6 @@ static gl_need need_of_cell(const gl_cells *cells, const struct cell *cell, bool
   return need_of(cells, &cell->shown, (float)sqrt(longest));
 }
 
-enum { MOST_RUNS = 4 }; /* of a piece */
-
 struct job {
   const gl_cells *cells;
   const uint32_t *order;
@@ -282,33 +280,44 @@ static void widen(gl_piece *piece, const gl_corner *corners, int count) {
   }
 }
 
-/* Adds corners to the piece's last run, or to a new one after them. */
-static void extend(gl_piece *piece, gl_run *runs, bool is_fan, gl_need need, uint32_t first, uint32_t count) {
-  if (count == 0) return;
-  gl_run *last = piece->run_count > 0 ? &runs[piece->run_count - 1] : NULL;
-  if (last != NULL && last->is_fan == is_fan && last->need == need)
-    last->count += count;
-  else
-    runs[piece->run_count++] = (gl_run){first, count, is_fan, need};
-  piece->triangle_count += count / 3;
+/* Twice the area of a triangle, in half pictures. */
+static float area_of(float ax, float ay, float bx, float by, float cx, float cy) {
+  return fabsf((bx - ax) * (cy - ay) - (by - ay) * (cx - ax));
 }
 
-/* To change programs takes OpenGL some microseconds, as much as a few cells that are drawn by one for more than they
- * need: where they change often, runs become one. */
-static void merge_runs(gl_piece *piece, gl_run *runs) {
-  if (piece->run_count <= MOST_RUNS) return;
-  uint32_t kept = 0;
-  gl_need most[2] = {GL_NEED_LITTLE, GL_NEED_LITTLE};
-  for (uint32_t i = 0; i < piece->run_count; i++) {
-    gl_need *need = &most[runs[i].is_fan];
-    if (runs[i].need > *need) *need = runs[i].need;
+/* Adds corners to the piece's last run, or to a new one after them. area: twice their triangles', in half pictures. */
+static void extend(const gl_cells *cells, gl_piece *piece, gl_run *runs, gl_run added, float area) {
+  if (added.count == 0) return;
+  gl_run *last = piece->run_count > 0 ? &runs[piece->run_count - 1] : NULL;
+  added.area = 0.5f * area * (float)(cells->picture.half_width * cells->picture.half_height);
+  if (last != NULL && last->is_fan == added.is_fan && last->need == added.need) {
+    last->count += added.count;
+    last->area += added.area;
+  } else {
+    runs[piece->run_count++] = added;
   }
+  piece->triangle_count += added.count / 3;
+}
+
+/* To change programs and back takes llvmpipe some 20 microseconds, which is what the next better program saves on this
+ * many pixels. */
+static const float WORTH_A_PROGRAM = 1400;
+
+/* Small runs between those that need more are drawn with them. */
+static void merge_runs(gl_piece *piece, gl_run *runs) {
+  uint32_t kept = 0;
   for (uint32_t i = 0; i < piece->run_count; i++) {
-    runs[i].need = most[runs[i].is_fan];
-    if (kept > 0 && runs[kept - 1].is_fan == runs[i].is_fan)
-      runs[kept - 1].count += runs[i].count;
-    else
-      runs[kept++] = runs[i];
+    gl_run run = runs[i];
+    const gl_run *before = kept > 0 ? &runs[kept - 1] : NULL;
+    if (before != NULL && before->is_fan == run.is_fan && run.need < before->need && run.area < WORTH_A_PROGRAM &&
+        i + 1 < piece->run_count && runs[i + 1].need > run.need)
+      run.need = before->need;
+    if (before != NULL && before->is_fan == run.is_fan && run.need == before->need) {
+      runs[kept - 1].count += run.count;
+      runs[kept - 1].area += run.area;
+    } else {
+      runs[kept++] = run;
+    }
   }
   piece->run_count = kept;
 }
@@ -321,7 +330,11 @@ struct cursor {
 static void add_corners(const struct job *job, gl_piece *piece, struct cursor *cursor, gl_need need,
                         const gl_corner *corners, int count) {
   memcpy(job->output->corners + cursor->corner, corners, (size_t)count * sizeof *corners);
-  extend(piece, job->output->runs + piece->begin, false, need, cursor->corner, (uint32_t)count);
+  float area = 0;
+  for (int i = 0; i < count; i += 3)
+    area += area_of(corners[i].x, corners[i].y, corners[i + 1].x, corners[i + 1].y, corners[i + 2].x, corners[i + 2].y);
+  const gl_run added = {.first = cursor->corner, .count = (uint32_t)count, .need = need};
+  extend(job->cells, piece, job->output->runs + piece->begin, added, area);
   widen(piece, corners, count);
   cursor->corner += (uint32_t)count;
 }
@@ -341,8 +354,14 @@ static void prepare_cell(const struct job *job, gl_piece *piece, size_t i, struc
     gl_fan_corner made[3 * GL_FAN_TRIANGLES];
     count = write_fan(cells, &cell, (float)i, &record, made);
     memcpy(output->fan_corners + cursor->fan_corner, made, (size_t)count * sizeof *made);
-    const gl_need need = need_of_cell(cells, &cell, false);
-    extend(piece, output->runs + piece->begin, true, need, cursor->fan_corner, (uint32_t)count);
+    float area = 0;
+    for (int k = 0; k < count; k += 3)
+      area += area_of(made[k].x, made[k].y, made[k + 1].x, made[k + 1].y, made[k + 2].x, made[k + 2].y);
+    const gl_run added = {.first = cursor->fan_corner,
+                          .count = (uint32_t)count,
+                          .is_fan = true,
+                          .need = need_of_cell(cells, &cell, false)};
+    extend(cells, piece, output->runs + piece->begin, added, area);
     cursor->fan_corner += (uint32_t)count;
   } else if (is_seen) {
     gl_corner made[3 * GL_CELLS_TRIANGLES];

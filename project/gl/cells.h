@@ -85,6 +85,7 @@ typedef struct gl_run {
   uint32_t first, count;
   bool is_fan;
   gl_need need;
+  float area; /* of its triangles, in pixels */
 } gl_run;
 
 /* What some records have beside them; written only where a record has faces seen edge-on or back faces alone, or lies
