@@ -26,11 +26,17 @@ static inline int attribute_count(const soft_scene *scene) {
  * opacity itself. */
 static inline void blend_rows(const soft_scene *scene, soft_worker *worker, float rows[8][4], const int32_t *pixel,
                               int count) {
-  for (int i = 0; i < count; i++) {
-    float *to = worker->pixels[pixel[i]];
-    const float seen = scene->is_thin ? 1 - to[3] : to[3];
-    f4_store(to, f4_add_scaled(f4_load(to), f4_load(rows[i]), seen));
-  }
+  float(*pixels)[4] = worker->pixels;
+  if (scene->is_thin)
+    for (int i = 0; i < count; i++) {
+      float *to = pixels[pixel[i]];
+      f4_store(to, f4_add_scaled(f4_load(to), f4_load(rows[i]), 1 - to[3]));
+    }
+  else
+    for (int i = 0; i < count; i++) {
+      float *to = pixels[pixel[i]];
+      f4_store(to, f4_add_scaled(f4_load(to), f4_load(rows[i]), to[3]));
+    }
 }
 
 static inline void blend_depths(soft_worker *worker, const soft_pieces *pieces, size_t first, f8 gained, int count) {
@@ -67,8 +73,11 @@ static inline void shade_eight(const soft_scene *scene, soft_worker *worker, siz
   const f8 length = f8_load(pieces->length + first);
   const fast_band8 band = fast_band8_at(scene->transfer, i8_load(pieces->interval + first));
   const bool is_emission = scene->model.model == CELLIST_MODEL_EMISSION;
-  fast_gain8 gain = is_emission ? fast_emission8_of(&band, from, to, length)
-                                : fast_gain8_of(scene->transfer, &band, from, to, length);
+  fast_gain8 gain;
+  if (is_emission)
+    fast_emission8_of(&band, from, to, length, &gain);
+  else
+    fast_gain8_of(scene->transfer, &band, from, to, length, &gain);
   if (scene->model.gradients != SOFT_NO_LIGHT) light_eight(scene, pieces, first, &gain);
   const f8 alpha = is_emission ? f8_all(0) : scene->is_thin ? gain.alpha : f8_sub(f8_all(0), gain.alpha);
   float rows[8][4];
