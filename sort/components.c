@@ -120,11 +120,11 @@ static void search_from(struct search *search, uint32_t node) {
 cellist_result sort_components_prepare(cellist_sorter *sorter) {
   const size_t nodes = sorter->cells.count + sorter->complex.links.large_count;
   const size_t parts = sorter->mesh.tet_count / 2 + 1; /* of two tets at least */
-  if (sorter->groups == NULL) sorter->groups = cellist_allocate(sorter->context, parts, sizeof *sorter->groups);
-  if (sorter->parts == NULL) sorter->parts = cellist_allocate(sorter->context, parts, sizeof *sorter->parts);
-  if (sorter->groups == NULL || sorter->parts == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
+  sorter->groups = cellist_allocate(sorter->context, parts, sizeof *sorter->groups);
+  sorter->parts = cellist_allocate(sorter->context, parts, sizeof *sorter->parts);
   sorter->scratch = cellist_allocate(sorter->context, nodes, SORT_SCRATCH * sizeof *sorter->scratch);
-  return sorter->scratch != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
+  const bool ok = sorter->groups != NULL && sorter->parts != NULL && sorter->scratch != NULL;
+  return ok ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
 static struct search start(cellist_sorter *sorter, uint32_t *order) {
@@ -246,10 +246,6 @@ static void sort_group(cellist_sorter *sorter, const sort_eye *eye, uint32_t *me
 
 cellist_result sort_components(cellist_sorter *sorter, const sort_eye *eye, uint32_t *order, size_t done,
                                cellist_sort_stats *stats) {
-  if (sorter->scratch == NULL) {
-    const cellist_result result = sort_components_prepare(sorter);
-    if (result != CELLIST_SUCCESS) return result;
-  }
   struct search search = start(sorter, order);
   stats->left_cell_count = sorter->mesh.tet_count - done;
   search_all(&search);

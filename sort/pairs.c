@@ -38,7 +38,7 @@ static bool is_before(const sort_scene *scene, const struct faces *near, const s
     for (int j = 0; j < 4; j++) {
       if (far->sides[j] <= 0) continue;
       const sort_face leaving = {near->corners[i], &near->planes[i]}, entering = {far->corners[j], &far->planes[j]};
-      if (sort_leaves_before(scene, leaving, entering)) return true;
+      if (sort_leaves_before(scene, leaving, entering, NULL)) return true;
     }
   }
   return false;

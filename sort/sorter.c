@@ -92,7 +92,7 @@ static cellist_result prepare_gaps(cellist_sorter *sorter) {
   }
   result = sort_gaps_create(context, &mesh, &sorter->gaps);
   cellist_deallocate(context, closed);
-  return result == CELLIST_SUCCESS ? sort_components_prepare(sorter) : result;
+  return result;
 }
 
 static cellist_result prepare(cellist_sorter *sorter, const uint8_t *wanted) {
@@ -103,6 +103,7 @@ static cellist_result prepare(cellist_sorter *sorter, const uint8_t *wanted) {
     result = sort_subset_create(context, wanted, &sorter->mesh, &sorter->subset);
   sorter->cells = sort_cells_of_mesh(&sorter->mesh);
   if (result == CELLIST_SUCCESS) result = prepare_gaps(sorter);
+  if (result == CELLIST_SUCCESS) result = sort_components_prepare(sorter);
   if (result == CELLIST_SUCCESS) result = sort_planes_create(context, &sorter->cells, &sorter->planes);
   if (result != CELLIST_SUCCESS) return result;
   sorter->mesh.complex = NULL;

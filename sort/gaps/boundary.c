@@ -3,6 +3,7 @@
  * their planes in double with a bound on the error. */
 #include "boundary.h"
 
+#include <cellist/radix.h>
 #include <math.h>
 
 #include "../view.h"
@@ -49,6 +50,37 @@ static void fill(const cellist_sorter_desc *mesh, const uint32_t *vertex_of, sor
   boundary->row_faces[row_count] = (uint32_t)face_count;
 }
 
+/* Pairs edges that two faces have in opposite directions; of more faces at one edge, any two that do. */
+static cellist_result find_mates(cellist_context *context, sort_boundary *boundary) {
+  const size_t count = 3 * boundary->face_count;
+  uint64_t *keys = cellist_allocate(context, count, 2 * sizeof *keys);
+  uint32_t *edges = cellist_allocate(context, count, 2 * sizeof *edges);
+  if (keys == NULL || edges == NULL) {
+    cellist_deallocate(context, keys);
+    cellist_deallocate(context, edges);
+    return CELLIST_ERROR_OUT_OF_MEMORY;
+  }
+  for (size_t i = 0; i < count; i++) {
+    const uint64_t a = boundary->corners[i], b = boundary->corners[i - i % 3 + (i + 1) % 3];
+    keys[i] = a < b ? a << 32 | b : b << 32 | a;
+    edges[i] = (uint32_t)i;
+    boundary->mates[i] = CELLIST_NONE;
+  }
+  cellist_radix_sort(keys, edges, count, &keys[count], &edges[count], 64);
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t first = edges[i];
+    for (size_t j = i + 1; boundary->mates[first] == CELLIST_NONE && j < count && keys[j] == keys[i]; j++) {
+      const uint32_t second = edges[j];
+      if (boundary->mates[second] != CELLIST_NONE || boundary->corners[first] == boundary->corners[second]) continue;
+      boundary->mates[first] = second / 3;
+      boundary->mates[second] = first / 3;
+    }
+  }
+  cellist_deallocate(context, keys);
+  cellist_deallocate(context, edges);
+  return CELLIST_SUCCESS;
+}
+
 cellist_result sort_boundary_create(cellist_context *context, const cellist_sorter_desc *mesh,
                                     sort_boundary *boundary) {
   uint32_t *vertex_of = cellist_allocate_zeroed(context, mesh->point_count, sizeof *vertex_of);
@@ -63,19 +95,24 @@ cellist_result sort_boundary_create(cellist_context *context, const cellist_sort
     }
     boundary->row_count += on_boundary;
   }
-  for (size_t i = 0; i < mesh->point_count; i++) boundary->vertex_count += vertex_of[i];
   const size_t faces = boundary->face_count;
+  if (faces > UINT32_MAX / 3) {
+    cellist_deallocate(context, vertex_of);
+    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "%zu boundary faces are more than 32-bit ids allow", faces);
+  }
+  for (size_t i = 0; i < mesh->point_count; i++) boundary->vertex_count += vertex_of[i];
   boundary->positions = cellist_allocate(context, boundary->vertex_count, 3 * sizeof *boundary->positions);
   boundary->faces = cellist_allocate(context, faces, sizeof *boundary->faces);
   boundary->corners = cellist_allocate(context, faces, 3 * sizeof *boundary->corners);
+  boundary->mates = cellist_allocate(context, faces, 3 * sizeof *boundary->mates);
   boundary->rows = cellist_allocate(context, faces, sizeof *boundary->rows);
   boundary->planes = cellist_allocate(context, faces, sizeof *boundary->planes);
   boundary->row_faces = cellist_allocate(context, boundary->row_count + 1, sizeof *boundary->row_faces);
   boundary->row_tets = cellist_allocate(context, boundary->row_count, sizeof *boundary->row_tets);
   boundary->tet_rows = cellist_allocate(context, mesh->tet_count, sizeof *boundary->tet_rows);
   const bool ok = boundary->positions != NULL && boundary->faces != NULL && boundary->corners != NULL &&
-                  boundary->rows != NULL && boundary->planes != NULL && boundary->row_faces != NULL &&
-                  boundary->row_tets != NULL && boundary->tet_rows != NULL;
+                  boundary->mates != NULL && boundary->rows != NULL && boundary->planes != NULL &&
+                  boundary->row_faces != NULL && boundary->row_tets != NULL && boundary->tet_rows != NULL;
   if (ok) {
     uint32_t next = 0;
     for (size_t i = 0; i < mesh->point_count; i++) {
@@ -86,13 +123,14 @@ cellist_result sort_boundary_create(cellist_context *context, const cellist_sort
     fill(mesh, vertex_of, boundary);
   }
   cellist_deallocate(context, vertex_of);
-  return ok ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
+  return ok ? find_mates(context, boundary) : CELLIST_ERROR_OUT_OF_MEMORY;
 }
 
 void sort_boundary_release(cellist_context *context, sort_boundary *boundary) {
   cellist_deallocate(context, boundary->positions);
   cellist_deallocate(context, boundary->faces);
   cellist_deallocate(context, boundary->corners);
+  cellist_deallocate(context, boundary->mates);
   cellist_deallocate(context, boundary->rows);
   cellist_deallocate(context, boundary->planes);
   cellist_deallocate(context, boundary->row_faces);

@@ -20,6 +20,8 @@ typedef struct sort_boundary {
   size_t face_count;
   uint32_t *faces;         /* [face_count] 4 tet + corner, ascending */
   uint32_t *corners;       /* [3 face_count] vertices, counter-clockwise seen from outside */
+  uint32_t *mates;         /* [3 face_count] the face on the other side of each face's edge (corner k to k + 1), which
+                              has it the other way round, and has this face there; CELLIST_NONE: there is none */
   uint32_t *rows;          /* [face_count] the row of the face's cell */
   sort_face_plane *planes; /* [face_count] */
   size_t row_count;
@@ -28,7 +30,8 @@ typedef struct sort_boundary {
   uint32_t *tet_rows;  /* [tet_count] and back; CELLIST_NONE for cells without boundary faces */
 } sort_boundary;
 
-/* Fills a zeroed boundary. Errors: OUT_OF_MEMORY (what is there can be released). Cost: linear. */
+/* Fills a zeroed boundary. Errors: OUT_OF_MEMORY, UNSUPPORTED (2^32 / 3 faces or more); what is there can be released.
+ * Cost: linear. */
 cellist_result sort_boundary_create(cellist_context *context, const cellist_sorter_desc *mesh, sort_boundary *boundary);
 void sort_boundary_release(cellist_context *context, sort_boundary *boundary);
 

@@ -5,25 +5,20 @@
 
 #include "../view.h"
 #include "boundary.h"
+#include "pairs.h"
 #include "picture.h"
+#include "sheets.h"
 
-/* One worker's finds. */
-typedef struct sort_gap_buffer {
-  uint32_t *pairs; /* far row, near row */
-  size_t count, capacity;
+/* What one worker finds, and its scratch. */
+typedef struct sort_gap_worker {
+  sort_pair_writer writer, saved;
   size_t candidate_count;
-  cellist_result result;
-} sort_gap_buffer;
-
-/* What one range of faces found: where in which worker's buffer. */
-typedef struct sort_gap_chunk {
-  unsigned worker;
-  size_t begin, count;
-} sort_gap_chunk;
+  sort_sheets sheets;
+} sort_gap_worker;
 
 /* An entering face in one cell of the grid: its box, and the cell of the box's lower corner. */
 typedef struct sort_grid_entry {
-  float low[2], high[2];
+  float low[2], high[2], nearest, farthest;
   uint16_t cell[2];
   uint32_t face;
 } sort_grid_entry;
@@ -46,23 +41,23 @@ typedef struct sort_gaps {
   size_t *starts;    /* [row_count + 1] */
   uint32_t *targets; /* [arc_count] places of nearer rows: those of place i are targets[starts[i]] to
                         targets[starts[i + 1] - 1] */
-  size_t target_capacity;
   uint32_t *pending; /* [row_count] how many arcs lead to the row */
 
   uint32_t *part_list;
-  uint32_t *pairs; /* the arcs as (far, near), in the order in which faces stand */
-  size_t pair_capacity;
-  double *picture;
+  sort_pairs pairs;        /* the arcs as (far, near); there is room for all of its pairs in targets */
+  size_t range_count;      /* ranges of them, in the order of leaving faces */
+  sort_pair_range *ranges; /* [range_count] */
+  double *picture, *depths;
   int8_t *sides;                /* [face_count] 1: the eye is outside of the face */
   sort_box *boxes;              /* [face_count] in the picture of the moment */
-  uint32_t *leaving, *entering; /* places of active faces in the picture */
+  uint32_t *leaving, *entering; /* places of active faces in the picture; entering: as many again as scratch */
   size_t leaving_count, entering_count;
+  uint64_t *keys;        /* [2 face_count] of the entering faces' depths */
   uint32_t *cell_starts; /* the grid: entering faces by cell */
   sort_grid_entry *entries;
   size_t entry_capacity;
   unsigned worker_count;
-  sort_gap_buffer *buffers; /* [worker_count] */
-  sort_gap_chunk *chunks;
+  sort_gap_worker *workers; /* [worker_count] */
 } sort_gaps;
 
 /* Fills a zeroed sort_gaps. Errors: OUT_OF_MEMORY (what is there can be released). */

@@ -40,11 +40,12 @@ static int turn(const sort_scene *scene, uint32_t a, uint32_t b, uint32_t c) {
 }
 
 /* Which side of the face's plane each of the other face's corners lies on; false as soon as it is known that none lies
- * outside, unless all lie in the plane. */
-static bool sides(const sort_scene *scene, sort_face face, const uint32_t others[3], int signs[3]) {
+ * outside, unless all lie in the plane. range: NULL, or filled with bounds of the corners' heights above the plane. */
+static bool sides(const sort_scene *scene, sort_face face, const uint32_t others[3], int signs[3], sort_cover *range) {
   const double *x = scene->positions;
   const uint32_t *own = face.corners;
   bool outside = false, open = false;
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
   for (int k = 0; k < 3; k++) {
     const double *v = &x[3 * (size_t)others[k]];
     const double dx = v[0] - face.plane->point[0], dy = v[1] - face.plane->point[1], dz = v[2] - face.plane->point[2];
@@ -55,6 +56,15 @@ static bool sides(const sort_scene *scene, sort_face face, const uint32_t others
     signs[k] = shared ? 0 : decided ? (height > 0 ? 1 : -1) : UNKNOWN;
     outside |= signs[k] == 1;
     open |= signs[k] == UNKNOWN;
+    /* Not fmin: a height that is no number must leave bounds that say nothing. */
+    const double low = shared ? 0 : height - doubt, high = shared ? 0 : height + doubt;
+    lowest = low > lowest ? lowest : low;
+    highest = high < highest ? highest : high;
+  }
+  if (range != NULL) {
+    if (lowest > range->hidden) return false;
+    range->lowest = lowest;
+    range->highest = highest;
   }
   if (outside && !open) return true;
   if (!outside && !open) return signs[0] == 0 && signs[1] == 0 && signs[2] == 0;
@@ -97,11 +107,24 @@ static bool vertices_separate(int of_a[3][3], int of_b[3][3]) {
 
 static int minimum(const int x[3]) { return x[0] < x[1] ? (x[0] < x[2] ? x[0] : x[2]) : (x[1] < x[2] ? x[1] : x[2]); }
 
-bool sort_leaves_before(const sort_scene *scene, sort_face leaving_face, sort_face entering_face) {
+/* Which of b's edges may cross a: not those that have all of a on the inner side, nor those of which both ends lie
+ * beyond one of a's edges. */
+static uint32_t crossing_edges(int of_a[3][3], int of_b[3][3]) {
+  uint32_t crossing = 0;
+  for (int j = 0; j < 3; j++) {
+    bool crosses = minimum(of_b[j]) < 0;
+    for (int i = 0; i < 3; i++) crosses &= of_a[i][j] > 0 || of_a[i][(j + 1) % 3] > 0;
+    crossing |= (uint32_t)crosses << j;
+  }
+  return crossing;
+}
+
+bool sort_leaves_before(const sort_scene *scene, sort_face leaving_face, sort_face entering_face, sort_cover *cover) {
   const uint32_t *leaving = leaving_face.corners, *entering = entering_face.corners;
   /* Beyond the leaving face, and before the entering one: outside both. */
   int beyond[3], before[3];
-  if (!sides(scene, leaving_face, entering, beyond) || !sides(scene, entering_face, leaving, before)) return false;
+  if (!sides(scene, leaving_face, entering, beyond, cover) || !sides(scene, entering_face, leaving, before, NULL))
+    return false;
   const bool coplanar = beyond[0] == 0 && beyond[1] == 0 && beyond[2] == 0;
 
   /* Both counter-clockwise as the eye sees them; the eye sees the leaving face from behind. */
@@ -110,6 +133,10 @@ bool sort_leaves_before(const sort_scene *scene, sort_face leaving_face, sort_fa
   int of_a[3][3], of_b[3][3];
   if (!edge_signs(scene, a, entering, of_a) || !edge_signs(scene, entering, a, of_b)) return false;
   if (scene->around_eye && vertices_separate(of_a, of_b)) return false;
+  if (cover != NULL) {
+    cover->is_behind = minimum(beyond) >= 0;
+    cover->crossing = crossing_edges(of_a, of_b);
+  }
   if (coplanar || minimum(beyond) >= 0 || minimum(before) >= 0) return true;
 
   for (int k = 0; k < 3; k++) {

@@ -58,7 +58,7 @@ static void make_frame(const double towards[3], double right[3], double up[3]) {
 }
 
 bool sort_picture_project(const sort_boundary *boundary, const uint32_t *vertices, size_t count, const sort_eye *eye,
-                          double *picture, double *error) {
+                          double *picture, double *depths, double *error, double *depth_error) {
   double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for (size_t i = 0; i < count; i++) {
     const double *p = &boundary->positions[3 * (size_t)vertices[i]];
@@ -89,8 +89,9 @@ bool sort_picture_project(const sort_boundary *boundary, const uint32_t *vertice
     double v[3];
     for (size_t k = 0; k < 3; k++) v[k] = boundary->positions[3 * vertex + k] - middle[k];
     double x = dot(v, right), y = dot(v, up);
+    const double depth = (eye->parallel ? 0 : distance) - dot(v, towards);
+    depths[vertex] = depth;
     if (!eye->parallel) {
-      const double depth = distance - dot(v, towards);
       if (!(depth > 0) || !(depth >= WIDEST_COSINE * sqrt(x * x + y * y + depth * depth))) return false;
       x /= depth;
       y /= depth;
@@ -102,15 +103,18 @@ bool sort_picture_project(const sort_boundary *boundary, const uint32_t *vertice
   }
   const double stretch = eye->parallel ? larger(1, radius / widest) : (distance + 2 * radius) / nearest;
   *error = PICTURE_ROUNDINGS * UNIT * widest * stretch;
-  if (isfinite(*error)) return true;
+  *depth_error = PICTURE_ROUNDINGS * UNIT * ((eye->parallel ? 0 : distance) + 3 * radius);
+  if (isfinite(*error) && isfinite(4 * distance + 8 * radius)) return true;
   if (!eye->parallel) return false;
   /* No extent, or too large a one for doubles: all in one place, so that exact tests decide everything. */
-  for (size_t i = 0; i < count; i++) picture[2 * (size_t)vertices[i]] = picture[2 * (size_t)vertices[i] + 1] = 0;
-  *error = 0;
+  for (size_t i = 0; i < count; i++)
+    picture[2 * (size_t)vertices[i]] = picture[2 * (size_t)vertices[i] + 1] = depths[vertices[i]] = 0;
+  *error = *depth_error = 0;
   return true;
 }
 
-sort_box sort_picture_box(const double *picture, double error, const uint32_t corners[3]) {
+sort_box sort_picture_box(const double *picture, const double *depths, double error, double depth_error,
+                          const uint32_t corners[3]) {
   const double *p = &picture[2 * (size_t)corners[0]], *q = &picture[2 * (size_t)corners[1]],
                *r = &picture[2 * (size_t)corners[2]];
   sort_box box;
@@ -119,6 +123,9 @@ sort_box sort_picture_box(const double *picture, double error, const uint32_t co
     box.low[k] = (least < r[k] ? least : r[k]) - 2 * error;
     box.high[k] = (most > r[k] ? most : r[k]) + 2 * error;
   }
+  const double a = depths[corners[0]], b = depths[corners[1]], c = depths[corners[2]];
+  box.nearest = smaller(a, smaller(b, c)) - depth_error;
+  box.farthest = larger(a, larger(b, c)) + depth_error;
   return box;
 }
 
@@ -141,7 +148,8 @@ static int clip(double (*polygon)[3], int count, int coordinate, double sign) {
 }
 
 sort_box sort_cube_box(const double eye[3], const double *positions, const uint32_t corners[3], int side) {
-  const sort_box nowhere = {{1, 1}, {-1, -1}}, everywhere = {{-1, -1}, {1, 1}};
+  const sort_box nowhere = {{1, 1}, {-1, -1}, HUGE_VAL, -HUGE_VAL};
+  sort_box everywhere = {{-1, -1}, {1, 1}, -HUGE_VAL, HUGE_VAL};
   double polygon[8][3], size = 0;
   const int axis = side / 2;
   for (int c = 0; c < 3; c++) {
@@ -155,10 +163,16 @@ sort_box sort_cube_box(const double eye[3], const double *positions, const uint3
     polygon[c][1] = v[(axis + 2) % 3];
     polygon[c][2] = side % 2 == 0 ? v[axis] : -v[axis];
   }
+  sort_box box = nowhere;
+  for (int c = 0; c < 3; c++) {
+    box.nearest = smaller(box.nearest, polygon[c][2]);
+    box.farthest = larger(box.farthest, polygon[c][2]);
+  }
+  everywhere.nearest = box.nearest;
+  everywhere.farthest = box.farthest;
   int count = 3;
   for (int plane = 0; plane < 4 && count > 0; plane++) count = clip(polygon, count, plane / 2, plane % 2 == 0 ? 1 : -1);
   if (count == 0) return nowhere;
-  sort_box box = nowhere;
   for (int i = 0; i < count; i++) {
     if (!(polygon[i][2] > CUBE_NEAREST * size)) return everywhere;
     for (int k = 0; k < 2; k++) {

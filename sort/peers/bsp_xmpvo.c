@@ -183,7 +183,7 @@ static cellist_result wait_for_list(cellist_peer *peer, const sort_scene *scene,
     own->list[kept++] = other;
     if (other_row == row || !may_cover(&own->sights[face], &own->sights[other])) continue;
     const sort_face entering = {&boundary->corners[3 * (size_t)other], &boundary->planes[other]};
-    if (!sort_leaves_before(scene, leaving, entering)) continue;
+    if (!sort_leaves_before(scene, leaving, entering, NULL)) continue;
     const cellist_result result = sort_reserve(peer->context, &own->waits, &own->wait_capacity, own->wait_count,
                                                own->wait_count + 1, sizeof *own->waits);
     if (result != CELLIST_SUCCESS) return result;
