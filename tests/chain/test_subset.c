@@ -152,26 +152,9 @@ TEST(every_failed_allocation_is_reported_and_leaks_nothing)
   harness_context_destroy(context);
 }
 
-struct counter {
-  size_t count;
-};
-
-static void *count_allocation(void *user, size_t size) {
-  ((struct counter *)user)->count++;
-  return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-static void release_allocation(void *user, void *block) {
-  (void)user;
-  free(block);
-}
-
 TEST(nothing_is_allocated_after_the_first_view)
 {
-  struct counter counter = {0};
-  const cellist_context_desc context_desc = {.allocator = {count_allocation, release_allocation, &counter},
-                                             .worker_count = 2};
-  cellist_context *context = NULL;
-  assert_int_equal(cellist_context_create(&context_desc, &context), CELLIST_SUCCESS);
+  cellist_context *context = harness_context(2);
   cellist_mesh *mesh = scene_grid(context, 9, 0.1, 0.3, 4);
   for (int exterior = 0; exterior <= EXTERIORS; exterior++) {
     cellist_complex *complex = NULL;
@@ -189,16 +172,16 @@ TEST(nothing_is_allocated_after_the_first_view)
     for (unsigned i = 0; i < 24; i++) {
       random_state random = {i};
       const cellist_viewpoint view = scene_view(i, 9, &random);
-      const size_t before = counter.count;
+      const size_t before = harness_allocation_count(context);
       assert_success(context, cellist_sorter_sort(sorter, &view, order, NULL));
-      if (i > 0) assert_int_equal(counter.count, before);
+      if (i > 0) assert_int_equal(harness_allocation_count(context), before);
     }
     free(order);
     cellist_sorter_destroy(sorter);
     cellist_complex_destroy(complex);
   }
   cellist_mesh_destroy(mesh);
-  cellist_context_destroy(context);
+  harness_context_destroy(context);
 }
 
 TEST(an_order_holds_while_the_eye_stays)

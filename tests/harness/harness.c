@@ -81,6 +81,13 @@ cellist_context *harness_context(unsigned worker_count) {
   return NULL;
 }
 
+size_t harness_allocation_count(const cellist_context *context) {
+  int i = 0;
+  while (i < MAX_CONTEXTS && contexts[i].context != context) i++;
+  assert_true(i < MAX_CONTEXTS);
+  return contexts[i].counting->made;
+}
+
 void harness_context_destroy(cellist_context *context) {
   for (int i = 0; i < MAX_CONTEXTS; i++) {
     if (contexts[i].context != context) continue;

@@ -29,6 +29,9 @@ void harness_skip(const char *format, ...) CELLIST_PRINTF(1, 2);
 cellist_context *harness_context(unsigned worker_count);
 void harness_context_destroy(cellist_context *context);
 
+/* How many allocations a harness context has made so far. */
+size_t harness_allocation_count(const cellist_context *context);
+
 /* Fails the case with the context's message unless result is SUCCESS. */
 void assert_success(cellist_context *context, cellist_result result);
 
