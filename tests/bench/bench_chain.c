@@ -2,62 +2,22 @@
  * Chain benchmark: bench_chain [VIEWS [MESH...]] prints CSV: how long the exact order of concave meshes takes with each
  * exterior and with none, against a plain topological sort of the tets alone (wrong: it ignores gaps). Processor time
  * of one thread, medians over VIEWS (12) perspective views; counts are means over these. */
-#include <cellist/convexify.h>
-#include <cellist/generate.h>
-#include <cellist/sort.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <time.h>
-
 #include "../../sort/sorter.h"
+#include "sorting.h"
 
 enum { REPEATS = 5, MOST_VIEWS = 200 };
 
-static double seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static int compare_doubles(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static void fail(cellist_context *context) {
-  fprintf(stderr, "bench_chain: %s\n", cellist_context_take_error(context));
-  exit(1);
-}
-
-static cellist_viewpoint make_view(const double bounds[6], unsigned i, unsigned views) {
-  cellist_viewpoint view = {{0, 0, 0}, false};
-  const double z = (2 * i + 1.0) / views - 1, turn = 2.399963 * i, ring = sqrt(1 - z * z);
-  const double direction[3] = {ring * cos(turn), ring * sin(turn), z};
-  double half_diagonal = 0;
-  for (int k = 0; k < 3; k++) half_diagonal += 0.25 * pow(bounds[3 + k] - bounds[k], 2);
-  for (int k = 0; k < 3; k++)
-    view.position[k] = 0.5 * (bounds[k] + bounds[3 + k]) + 3.86 * sqrt(half_diagonal) * direction[k];
-  return view;
-}
+static void fail(cellist_context *context) { bench_fail(context, "bench_chain"); }
 
 /* One sorter's median over all views; prints a row. plain: 0, or what to compare with. */
 static double measure(cellist_context *context, const cellist_mesh *mesh, const char *name, const char *exterior,
                       const cellist_complex *complex, unsigned views, double plain) {
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
-  cellist_sorter_complex plain_arrays = {0};
-  cellist_sorter_desc desc = {.point_count = a->point_count,
-                              .points = a->positions,
-                              .tet_count = a->tet_count,
-                              .tets = a->tets,
-                              .neighbours = a->neighbours};
+  cellist_sorter_complex arrays = {0};
+  cellist_sorter_desc desc = bench_desc(mesh);
   if (complex != NULL) {
-    const cellist_complex_arrays *c = cellist_complex_get_arrays(complex);
-    plain_arrays =
-        (cellist_sorter_complex){c->cell_count,  c->point_count, c->points,      c->offset_count, c->offsets,
-                                 c->plane_count, c->planes,      c->facet_count, c->facet_planes, c->facet_cells};
-    desc.complex = &plain_arrays;
+    arrays = bench_complex_arrays(complex);
+    desc.complex = &arrays;
   }
   cellist_sorter *sorter = NULL;
   if (cellist_sorter_create(context, &desc, &sorter) != CELLIST_SUCCESS) fail(context);
@@ -67,13 +27,13 @@ static double measure(cellist_context *context, const cellist_mesh *mesh, const 
   double left = 0, component = 0, candidates = 0, arcs = 0, groups = 0, grouped = 0;
   cellist_sort_stats stats = {0};
   for (unsigned i = 0; i < views; i++) {
-    const cellist_viewpoint view = make_view(a->bounds, i, views);
+    const cellist_viewpoint view = bench_view(a->bounds, i, views);
     times[i] = HUGE_VAL;
     for (int r = 0; r < REPEATS; r++) {
       sorter->is_current = false;
-      const double begin = seconds();
+      const double begin = bench_seconds(CLOCK_THREAD_CPUTIME_ID);
       if (cellist_sorter_sort(sorter, &view, order, &stats) != CELLIST_SUCCESS) fail(context);
-      times[i] = fmin(times[i], seconds() - begin);
+      times[i] = fmin(times[i], bench_seconds(CLOCK_THREAD_CPUTIME_ID) - begin);
     }
     left += (double)stats.left_cell_count / views;
     component += (double)stats.component_cell_count / views;
@@ -82,8 +42,7 @@ static double measure(cellist_context *context, const cellist_mesh *mesh, const 
     groups += (double)stats.group_count / views;
     grouped += (double)stats.cells_in_groups / views;
   }
-  qsort(times, views, sizeof *times, compare_doubles);
-  const double time = times[views / 2];
+  const double time = bench_median(times, views);
   printf("%s,%zu,%s,%zu,%u,%.4f,%.2f,%.3f,%.1f,%.1f,%.1f,%.1f,%.2f,%.1f\n", name, a->tet_count, exterior,
          stats.imaginary_cell_count, views, 1e3 * time, 1e9 * time / (double)a->tet_count, plain > 0 ? time / plain : 1,
          left, component, candidates, arcs, groups, grouped);
@@ -126,13 +85,9 @@ int main(int argc, char **argv) {
       "gap_candidates,gap_arcs,groups,cells_in_groups\n");
   for (size_t i = 0; argc > 2 ? i + 2 < (size_t)argc : i < usual_count; i++) {
     const char *name = argc > 2 ? argv[i + 2] : usual[i];
-    char path[512];
     cellist_mesh *mesh = NULL;
-    snprintf(path, sizeof path, "%s/data/%s.vtu", CELLIST_SHARED_DIR, name);
-    const cellist_generate_desc desc = {.size = 20000, .seed = 1};
-    const cellist_result result = strncmp(name, "sample:", 7) == 0 ? cellist_generate(context, name + 7, &desc, &mesh)
-                                                                   : cellist_mesh_read(context, path, NULL, &mesh);
-    if (result != CELLIST_SUCCESS) {
+    const bool is_sample = strncmp(name, "sample:", 7) == 0;
+    if (bench_open(context, is_sample ? name + 7 : name, 20000, &mesh) != CELLIST_SUCCESS) {
       fprintf(stderr, "bench_chain: %s\n", cellist_context_take_error(context));
       continue;
     }

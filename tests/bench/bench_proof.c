@@ -3,28 +3,13 @@
  * every sample (but flaws) with no exterior and with each one, from 100 views (perspective from far and near, inside
  * the bounds, on a lattice, parallel, parallel along axes and diagonals), and checks each order by 200 rays and by its
  * certificate. Prints CSV; a row with unsorted, inversions or violations other than 0 is a bug. */
-#include <cellist/convexify.h>
-#include <cellist/generate.h>
 #include <cellist/sort_verify.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include <base/random.h>
 
+#include "sorting.h"
+
 enum { VIEWS = 100, RAYS = 200 };
-
-static bool is_there(const char *path) {
-  FILE *file = fopen(path, "rb");
-  if (file != NULL) fclose(file);
-  return file != NULL;
-}
-
-static void fail(cellist_context *context, const char *name) {
-  fprintf(stderr, "bench_proof: %s: %s\n", name, cellist_context_take_error(context));
-  exit(1);
-}
 
 static cellist_viewpoint make_view(const double bounds[6], unsigned i) {
   static const double reach[6] = {10, 1.2, 0.5, 0.5, 1, 1};
@@ -44,15 +29,9 @@ static void prove(cellist_context *context, const cellist_mesh *mesh, const char
                   const cellist_complex *complex) {
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
   cellist_sorter_complex arrays = {0};
-  cellist_sorter_desc desc = {.point_count = a->point_count,
-                              .points = a->positions,
-                              .tet_count = a->tet_count,
-                              .tets = a->tets,
-                              .neighbours = a->neighbours};
+  cellist_sorter_desc desc = bench_desc(mesh);
   if (complex != NULL) {
-    const cellist_complex_arrays *c = cellist_complex_get_arrays(complex);
-    arrays = (cellist_sorter_complex){c->cell_count,  c->point_count, c->points,      c->offset_count, c->offsets,
-                                      c->plane_count, c->planes,      c->facet_count, c->facet_planes, c->facet_cells};
+    arrays = bench_complex_arrays(complex);
     desc.complex = &arrays;
   }
   cellist_sorter *sorter = NULL;
@@ -61,7 +40,7 @@ static void prove(cellist_context *context, const cellist_mesh *mesh, const char
   uint8_t *seen = malloc(a->tet_count + 1);
   if (order == NULL || seen == NULL || cellist_sorter_create(context, &desc, &sorter) != CELLIST_SUCCESS ||
       cellist_verifier_create(context, &desc, &verifier) != CELLIST_SUCCESS)
-    fail(context, name);
+    bench_fail(context, name);
   size_t rays = 0, pairs = 0, group_pairs = 0, inversions = 0, violations = 0, unsorted = 0, overlaps = 0, groups = 0,
          grouped = 0, largest = 0;
   for (unsigned i = 0; i < VIEWS; i++) {
@@ -71,11 +50,11 @@ static void prove(cellist_context *context, const cellist_mesh *mesh, const char
     cellist_certificate certificate;
     const cellist_group *list = NULL;
     size_t count = 0;
-    if (cellist_sorter_sort(sorter, &view, order, &stats) != CELLIST_SUCCESS) fail(context, name);
+    if (cellist_sorter_sort(sorter, &view, order, &stats) != CELLIST_SUCCESS) bench_fail(context, name);
     cellist_sorter_groups(sorter, &list, &count);
     if (cellist_verifier_check(verifier, &view, order, list, count, RAYS, i, &found) != CELLIST_SUCCESS ||
         cellist_order_certify(context, &desc, &view, order, list, count, &certificate) != CELLIST_SUCCESS)
-      fail(context, name);
+      bench_fail(context, name);
     memset(seen, 0, a->tet_count);
     for (size_t t = 0; t < a->tet_count; t++) seen[order[t]] = 1;
     for (size_t t = 0; t < a->tet_count; t++) unsorted += seen[t] == 0;
@@ -132,14 +111,8 @@ int main(int argc, char **argv) {
                                          : files[i];
     if (name == NULL) break;
     if (strcmp(name, "flaws") == 0) continue;
-    char path[512];
     cellist_mesh *mesh = NULL;
-    snprintf(path, sizeof path, "%s/data/%s.vtu", CELLIST_SHARED_DIR, name);
-    const cellist_generate_desc desc = {.size = 5000, .seed = 1};
-    const bool is_file = argc > 1 ? is_there(path) : i < file_count;
-    const cellist_result result =
-        is_file ? cellist_mesh_read(context, path, NULL, &mesh) : cellist_generate(context, name, &desc, &mesh);
-    if (result != CELLIST_SUCCESS) fail(context, name);
+    if (bench_open(context, name, 5000, &mesh) != CELLIST_SUCCESS) bench_fail(context, name);
     prove_all(context, mesh, name);
     cellist_mesh_destroy(mesh);
   }

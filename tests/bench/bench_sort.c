@@ -5,48 +5,21 @@
  * processor time, medians; views "clock" compares one thread with two by the clock, in turns, by the fastest of each
  * view, since others use the processors too. Ratios are to the centroid sort of the same views, which takes turns with
  * each method (clock: to one thread). Inversions are those that rays find in the first three views. */
-#include <cellist/convexify.h>
-#include <cellist/generate.h>
-#include <cellist/sort.h>
 #include <cellist/sort_peers.h>
 #include <cellist/sort_verify.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <time.h>
 
 #include "../../sort/sorter.h"
+#include "sorting.h"
 
 enum { VIEWS = 12, REPEATS = 3, CLOCK_REPEATS = 12, CHECKED_VIEWS = 3, RAYS = 1000 };
 
-static double seconds(clockid_t clock) {
-  struct timespec now;
-  clock_gettime(clock, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static int compare_doubles(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static void fail(cellist_context *context) {
-  fprintf(stderr, "bench_sort: %s\n", cellist_context_take_error(context));
-  exit(1);
-}
+static void fail(cellist_context *context) { bench_fail(context, "bench_sort"); }
 
 /* General: perspective from all around; axis: parallel along the six axis directions. */
 static cellist_viewpoint make_view(const double bounds[6], unsigned i, bool axis) {
-  cellist_viewpoint view = {{0, 0, 0}, axis};
-  const double z = (2 * i + 1.0) / VIEWS - 1, turn = 2.399963 * i, ring = sqrt(1 - z * z);
-  const double direction[3] = {ring * cos(turn), ring * sin(turn), z};
-  double half_diagonal = 0;
-  for (int k = 0; k < 3; k++) half_diagonal += 0.25 * pow(bounds[3 + k] - bounds[k], 2);
-  for (int k = 0; k < 3; k++)
-    view.position[k] = 0.5 * (bounds[k] + bounds[3 + k]) + 3.86 * sqrt(half_diagonal) * direction[k];
-  if (axis)
-    for (unsigned k = 0; k < 3; k++) view.position[k] = k != i % 3 ? 0 : i % 6 < 3 ? 1 : -1;
+  cellist_viewpoint view = bench_view(bounds, i, VIEWS);
+  view.parallel = axis;
+  for (unsigned k = 0; k < 3 && axis; k++) view.position[k] = k != i % 3 ? 0 : i % 6 < 3 ? 1 : -1;
   return view;
 }
 
@@ -75,11 +48,6 @@ static void print_row(const struct subject *subject, const char *method, const c
   fflush(stdout);
 }
 
-static double median(double *times, size_t count) {
-  qsort(times, count, sizeof *times, compare_doubles);
-  return times[count / 2];
-}
-
 /* One thread's processor time a view. */
 static void bench_method(cellist_context *context, const struct subject *subject, const char *method, bool axis) {
   double times[VIEWS * REPEATS], centroid_times[VIEWS * REPEATS];
@@ -89,11 +57,11 @@ static void bench_method(cellist_context *context, const struct subject *subject
   for (unsigned i = 0; i < VIEWS; i++) {
     const cellist_viewpoint view = make_view(subject->bounds, i, axis);
     for (int r = 0; r < REPEATS; r++) {
-      const double begin = seconds(CLOCK_THREAD_CPUTIME_ID);
+      const double begin = bench_seconds(CLOCK_THREAD_CPUTIME_ID);
       if (cellist_peer_sort(subject->centroid, &view, subject->centroid_order) != CELLIST_SUCCESS) fail(context);
-      const double middle = seconds(CLOCK_THREAD_CPUTIME_ID);
+      const double middle = bench_seconds(CLOCK_THREAD_CPUTIME_ID);
       if (sort_once(subject, &view, &stats) != CELLIST_SUCCESS) fail(context);
-      times[count] = seconds(CLOCK_THREAD_CPUTIME_ID) - middle;
+      times[count] = bench_seconds(CLOCK_THREAD_CPUTIME_ID) - middle;
       centroid_times[count++] = middle - begin;
     }
     if (i >= CHECKED_VIEWS) continue;
@@ -106,7 +74,7 @@ static void bench_method(cellist_context *context, const struct subject *subject
     all.pairs += found.pairs;
     all.inversions += found.inversions;
   }
-  const double time = median(times, count), centroid = median(centroid_times, count);
+  const double time = bench_median(times, count), centroid = bench_median(centroid_times, count);
   print_row(subject, method, axis ? "axis" : "general", 1, time, time / centroid, &stats, &all);
 }
 
@@ -123,9 +91,9 @@ static void bench_threads(cellist_context *context, cellist_context *two, const 
     best[0][i] = best[1][i] = HUGE_VAL;
     for (int r = 0; r < 2 * CLOCK_REPEATS; r++) {
       subject.sorter = sorters[r % 2];
-      const double begin = seconds(CLOCK_MONOTONIC);
+      const double begin = bench_seconds(CLOCK_MONOTONIC);
       if (sort_once(&subject, &view, &stats) != CELLIST_SUCCESS) fail(r % 2 ? two : context);
-      best[r % 2][i] = fmin(best[r % 2][i], seconds(CLOCK_MONOTONIC) - begin);
+      best[r % 2][i] = fmin(best[r % 2][i], bench_seconds(CLOCK_MONOTONIC) - begin);
     }
     for (int t = 0; t < 2; t++) sums[t] += best[t][i] / VIEWS;
   }
@@ -143,10 +111,7 @@ static void bench_complex(cellist_context *context, const cellist_mesh *mesh, ce
     fprintf(stderr, "bench_sort: %s: %s\n", subject.mesh_name, cellist_context_take_error(context));
     return;
   }
-  const cellist_complex_arrays *c = cellist_complex_get_arrays(complex);
-  const cellist_sorter_complex arrays = {c->cell_count,   c->point_count, c->points, c->offset_count,
-                                         c->offsets,      c->plane_count, c->planes, c->facet_count,
-                                         c->facet_planes, c->facet_cells};
+  const cellist_sorter_complex arrays = bench_complex_arrays(complex);
   desc.complex = &arrays;
   if (cellist_sorter_create(context, &desc, &subject.sorter) != CELLIST_SUCCESS) fail(context);
   bench_method(context, &subject, "cellist_complex", false);
@@ -156,11 +121,7 @@ static void bench_complex(cellist_context *context, const cellist_mesh *mesh, ce
 
 static void bench_mesh(cellist_context *context, cellist_context *two, const char *name, const cellist_mesh *mesh) {
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
-  const cellist_sorter_desc desc = {.point_count = a->point_count,
-                                    .points = a->positions,
-                                    .tet_count = a->tet_count,
-                                    .tets = a->tets,
-                                    .neighbours = a->neighbours};
+  const cellist_sorter_desc desc = bench_desc(mesh);
   struct subject subject = {.mesh_name = name,
                             .bounds = a->bounds,
                             .tet_count = a->tet_count,
@@ -189,25 +150,14 @@ static void bench_mesh(cellist_context *context, cellist_context *two, const cha
   free(subject.centroid_order);
 }
 
-static void bench_named(cellist_context *context, cellist_context *two, const char *name, bool is_sample, size_t size) {
-  const cellist_generate_desc desc = {.size = size, .seed = 1};
-  char path[512];
+static void bench_named(cellist_context *context, cellist_context *two, const char *name, size_t size) {
   cellist_mesh *mesh = NULL;
-  snprintf(path, sizeof path, "%s/data/%s.vtu", CELLIST_SHARED_DIR, name);
-  const cellist_result result =
-      is_sample ? cellist_generate(context, name, &desc, &mesh) : cellist_mesh_read(context, path, NULL, &mesh);
-  if (result != CELLIST_SUCCESS) {
+  if (bench_open(context, name, size, &mesh) != CELLIST_SUCCESS) {
     fprintf(stderr, "bench_sort: %s\n", cellist_context_take_error(context));
     return;
   }
   bench_mesh(context, two, name, mesh);
   cellist_mesh_destroy(mesh);
-}
-
-static bool is_sample(const char *name) {
-  for (size_t i = 0; cellist_generator_name(i) != NULL; i++)
-    if (strcmp(cellist_generator_name(i), name) == 0) return true;
-  return false;
 }
 
 /* What 57 bytes a tet cost at this machine's streaming rate (a copy reads, allocates and writes each byte). */
@@ -218,9 +168,9 @@ static void print_limit(void) {
   double best = 1e9;
   for (int i = 0; i < 5; i++) {
     memset(from, i, size);
-    const double begin = seconds(CLOCK_THREAD_CPUTIME_ID);
+    const double begin = bench_seconds(CLOCK_THREAD_CPUTIME_ID);
     memcpy(to, from, size);
-    const double time = seconds(CLOCK_THREAD_CPUTIME_ID) - begin;
+    const double time = bench_seconds(CLOCK_THREAD_CPUTIME_ID) - begin;
     if (i > 0 && time < best) best = time;
   }
   printf("limit,0,57 bytes a tet,general,1,0,%.2f,0,0,0,0,%d\n", 57 * best / (2 * (double)size) * 1e9, to[size / 2]);
@@ -236,16 +186,15 @@ int main(int argc, char **argv) {
   if (cellist_context_create(&two_workers, &two) != CELLIST_SUCCESS) return 1;
   printf("mesh,tets,method,views,threads,ms,ns_per_tet,ratio,gap_candidates,gap_arcs,exact_signs,pairs,inversions\n");
   print_limit();
-  for (int i = 2; i < argc; i++) bench_named(context, two, argv[i], is_sample(argv[i]), size);
+  for (int i = 2; i < argc; i++) bench_named(context, two, argv[i], size);
   static const char *const files[] = {"spx",      "octopus_low",  "sci_torso", "bunny_in", "impeller", "gears_t",
                                       "torus_vt", "disk_out_ref", "fire",      "bluntfin", "bucky",    "post"};
   for (size_t i = 0; argc <= 2 && cellist_generator_name(i) != NULL; i++) {
     const char *name = cellist_generator_name(i);
     const bool is_large = strcmp(name, "ball") == 0 || strcmp(name, "grid") == 0;
-    if (strcmp(name, "flaws") != 0) bench_named(context, two, name, true, is_large ? size : 20000);
+    if (strcmp(name, "flaws") != 0) bench_named(context, two, name, is_large ? size : 20000);
   }
-  for (size_t i = 0; argc <= 2 && i < sizeof files / sizeof files[0]; i++)
-    bench_named(context, two, files[i], false, 0);
+  for (size_t i = 0; argc <= 2 && i < sizeof files / sizeof files[0]; i++) bench_named(context, two, files[i], 0);
   cellist_context_destroy(two);
   cellist_context_destroy(context);
   return 0;
