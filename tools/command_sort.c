@@ -29,7 +29,7 @@ struct score {
   const char *name;
   double *seconds; /* [views * repeat] */
   size_t count;
-  size_t rays, pairs, inversions, group_pairs, overlaps;
+  size_t rays, pairs, inversions, group_pairs, overlaps, violations;
 };
 
 struct totals {
@@ -77,9 +77,13 @@ static cellist_result check(struct run *run, const cellist_viewpoint *viewpoint,
   if (run->verifier == NULL) return CELLIST_SUCCESS;
   cellist_verification found;
   const size_t rays = (run->options->rays + run->options->views - 1) / run->options->views;
-  const cellist_result result =
+  cellist_result result =
       cellist_verifier_check(run->verifier, viewpoint, run->order, groups, group_count, rays, view, &found);
+  cellist_certificate certificate;
+  if (result == CELLIST_SUCCESS)
+    result = cellist_order_certify(run->context, &run->desc, viewpoint, run->order, groups, group_count, &certificate);
   if (result != CELLIST_SUCCESS) return result;
+  score->violations += certificate.violations;
   score->rays += found.ray_count;
   score->pairs += found.pairs;
   score->inversions += found.inversions;
@@ -243,12 +247,13 @@ static int report_json(struct run *run, size_t cell_count) {
   json_object_set_new(object, "inversions", json_integer((json_int_t)run->scores[0].inversions));
   json_object_set_new(object, "group_pairs", json_integer((json_int_t)run->scores[0].group_pairs));
   json_object_set_new(object, "overlaps", json_integer((json_int_t)run->scores[0].overlaps));
+  json_object_set_new(object, "violations", json_integer((json_int_t)run->scores[0].violations));
   json_t *peers = json_array();
   for (size_t p = 1; p <= run->options->peers.count; p++) {
     struct score *score = &run->scores[p];
-    json_array_append_new(
-        peers, json_pack("{s:s, s:f, s:I, s:I}", "name", score->name, "seconds_median", median(score), "pairs",
-                         (json_int_t)score->pairs, "inversions", (json_int_t)score->inversions));
+    json_array_append_new(peers, json_pack("{s:s, s:f, s:I, s:I, s:I}", "name", score->name, "seconds_median",
+                                           median(score), "pairs", (json_int_t)score->pairs, "inversions",
+                                           (json_int_t)score->inversions, "violations", (json_int_t)score->violations));
   }
   json_object_set_new(object, "peers", peers);
   return terminal_print_json(object);
@@ -274,7 +279,8 @@ static int report_text(struct run *run, const char *mesh_name) {
     fprintf(to, "%-16s %.3f ms a view, %.1f ns a tet", score->name, 1e3 * seconds,
             run->desc.tet_count > 0 ? 1e9 * seconds / (double)run->desc.tet_count : 0);
     if (run->options->rays > 0) {
-      fprintf(to, "; %zu rays, %zu pairs, %zu inversions", score->rays, score->pairs, score->inversions);
+      fprintf(to, "; %zu rays, %zu pairs, %zu inversions, %zu shared faces violated", score->rays, score->pairs,
+              score->inversions, score->violations);
       if (score->group_pairs > 0) fprintf(to, ", %zu pairs inside groups", score->group_pairs);
       if (score->overlaps > 0) fprintf(to, ", %zu pairs of overlapping cells", score->overlaps);
     }
@@ -331,7 +337,8 @@ int command_sort(int argc, char **argv) {
       {"threads", "N", "threads to use (one per processor)", OPTION_COUNT, &options.threads},
       {"order", "FILE", "write the order: cell_id tet_index a line, far to near, groups in brackets", OPTION_TEXT,
        &options.order},
-      {"verify", "RAYS", "cast that many rays over all views and count wrong pairs", OPTION_COUNT, &options.rays},
+      {"verify", "RAYS", "cast that many rays over all views, look at all shared faces, and count what is wrong",
+       OPTION_COUNT, &options.rays},
       {"peer", "NAME", "also centroid, centroid_compare, mpvo_nc, power or bsp_xmpvo; may be repeated", OPTION_TEXTS,
        &options.peers},
       {"json", "", "print what was found as one JSON object", OPTION_FLAG, &options.json},

@@ -95,6 +95,7 @@ case_render_clips_and_shows_surfaces() {
 case_sort_writes_orders_and_figures() {
   expect 0 sort sample:gears --orbit 30,20 --order order.txt --verify 300 --peer centroid --peer mpvo_nc --json
   json 'j["order"] == "exact" and j["unsorted"] == 0 and j["inversions"] == 0 and j["pairs"] > 300'
+  json 'j["violations"] == 0 and all(p["violations"] > 0 for p in j["peers"] if p["name"] == "centroid")'
   json 'j["peers"][0]["name"] == "centroid" and j["peers"][0]["inversions"] > 0 and j["peers"][1]["pairs"] > 0'
   local tets
   tets=$(python3 -c "import json; print(json.load(open('out'))['tets'])")
