@@ -27,11 +27,12 @@ static const _Alignas(64) uint8_t shuffles[16][16] = {
 static const uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
 
 __attribute__((target("avx2"))) size_t sort_list_arcs_avx2(const uint32_t *neighbours, const uint8_t *state,
-                                                           const uint32_t *tets, size_t count, uint32_t *arcs,
-                                                           uint32_t *states) {
+                                                           const uint32_t *tets, size_t count, const uint32_t *ahead,
+                                                           uint32_t *arcs, uint32_t *states) {
   size_t arc_count = 0;
   uint32_t seen = 0;
   for (size_t i = 0; i < count; i++) {
+    __builtin_prefetch(&neighbours[4 * (size_t)ahead[i]]);
     const uint32_t front = state[tets[i]];
     const __m128i all = _mm_loadu_si128((const __m128i *)&neighbours[4 * (size_t)tets[i]]);
     const __m128i shuffle = _mm_load_si128((const __m128i *)shuffles[front & 15]);
@@ -46,8 +47,8 @@ __attribute__((target("avx2"))) size_t sort_list_arcs_avx2(const uint32_t *neigh
 #else
 
 size_t sort_list_arcs_avx2(const uint32_t *neighbours, const uint8_t *state, const uint32_t *tets, size_t count,
-                           uint32_t *arcs, uint32_t *states) {
-  return sort_list_arcs_portable(neighbours, state, tets, count, arcs, states);
+                           const uint32_t *ahead, uint32_t *arcs, uint32_t *states) {
+  return sort_list_arcs_portable(neighbours, state, tets, count, ahead, arcs, states);
 }
 
 #endif

@@ -145,11 +145,11 @@ static void search_all(struct search *search) {
   const sort_links *links = &sorter->complex.links;
   const size_t cell_count = sorter->cells.count;
   for (size_t i = 0; i < cell_count; i++)
-    if (sorter->state[i] & SORT_PENDING_MASK) search->index[i] = 0;
+    if (sort_is_waiting(sorter->state[i])) search->index[i] = 0;
   for (size_t i = 0; i < links->large_count; i++)
     if (links->pending[links->row_count + i] > 0) search->index[cell_count + i] = 0;
   for (uint32_t i = 0; i < cell_count; i++)
-    if ((sorter->state[i] & SORT_PENDING_MASK) && search->index[i] == 0) search_from(search, i);
+    if (sort_is_waiting(sorter->state[i]) && search->index[i] == 0) search_from(search, i);
 }
 
 /* Stage 3: lists the rows of the open parts' tets, and leaves of their arcs across faces those that stay in the part.

@@ -7,21 +7,20 @@ void sort_follow_begin(cellist_sorter *sorter) {
   const sort_gaps *gaps = &sorter->gaps;
   for (size_t i = 0; sorter->uses_gap_arcs && i < gaps->row_count; i++) {
     uint8_t *state = &sorter->state[gaps->boundary.row_tets[gaps->rows[i]]];
-    if (gaps->pending[i] > 0) *state = (uint8_t)(*state + SORT_PENDING);
+    if (gaps->pending[i] > 0) *state = (uint8_t)(*state + SORT_WAIT);
     if (gaps->starts[i + 1] > gaps->starts[i]) *state |= SORT_HAS_ARCS;
   }
   const sort_links *links = &sorter->complex.links;
   for (size_t r = 0; r < links->row_count; r++) {
     uint8_t *state = &sorter->state[links->row_cells[r]];
-    if (links->pending[r] > 0) *state = (uint8_t)(*state + SORT_PENDING);
+    if (links->pending[r] > 0) *state = (uint8_t)(*state + SORT_WAIT);
     *state |= SORT_HAS_ARCS;
   }
 }
 
 /* All arcs that are counted as one cell behind this one have come. */
 static inline size_t release(cellist_sorter *sorter, uint32_t cell, uint32_t *queue, size_t count) {
-  sorter->state[cell] = (uint8_t)(sorter->state[cell] - SORT_PENDING);
-  if ((sorter->state[cell] & SORT_PENDING_MASK) == 0) queue[count++] = cell;
+  if (sort_let_go(&sorter->state[cell])) queue[count++] = cell;
   return count;
 }
 

@@ -11,27 +11,33 @@
 #include "follow.h"
 
 /* Cells are taken from the queue in batches, each in two passes without branches that depend on signs (every second one
- * would be guessed wrong): first the arcs that leave the batch's cells are listed, then each arc takes one from its
- * target's pending count and writes the target to the queue's end, which moves only past ready cells. While a batch is
- * worked on, the neighbours of the next one are on their way from memory. 32 is slower, 128 no faster. */
-enum { BATCH = 64 };
+ * would be guessed wrong): first the arcs that leave the batch's cells are listed, then each arc takes one from what
+ * its target waits for and writes the target to the queue's end, which moves only past ready cells. Meanwhile the
+ * neighbours of cells two batches on are on their way from memory. 32 is slower, 128 no faster. */
+enum { BATCH = 64, AHEAD = 2 * BATCH };
 
 /* In each byte's lowest bit: does the cell wait for something? */
-static inline uint64_t eight_pending(const uint8_t *state) {
+static inline uint64_t eight_waiting(const uint8_t *state) {
   uint64_t states = 0;
   memcpy(&states, state, sizeof states);
-  return (states >> 4 | states >> 5 | states >> 6) & 0x0101010101010101u;
+  return ~(states >> 5 & states >> 6 & states >> 7) & 0x0101010101010101u;
 }
 
 /* Cells with nothing behind them, eight states at a time. */
 static size_t find_farthest(const sort_cells *cells, const uint8_t *state, uint32_t *queue) {
   size_t count = 0;
   for (size_t i = 0; i < cells->count; i += 8) {
-    if (eight_pending(&state[i]) == 0x0101010101010101u) continue;
+    if (eight_waiting(&state[i]) == 0x0101010101010101u) continue;
     for (size_t j = i; j < i + 8 && j < cells->count; j++)
-      if ((state[j] & SORT_PENDING_MASK) == 0) queue[count++] = (uint32_t)j;
+      if (!sort_is_waiting(state[j])) queue[count++] = (uint32_t)j;
   }
   return count;
+}
+
+/* An arc's target is written to the queue's end, and stays there if it was the last one that the target waited for. */
+static inline size_t take_arc(uint8_t *state, uint32_t target, uint32_t *queue, size_t count) {
+  queue[count] = target;
+  return count + sort_let_go(&state[target]);
 }
 
 /* Follows all arcs of queue[out] to queue[count - 1] and of what becomes ready; returns the new count. queue has room
@@ -43,21 +49,24 @@ static size_t advance(const sort_cells *cells, uint8_t *state, uint32_t *queue, 
   uint32_t arcs[4 * BATCH + 4];
   size_t fetched = out;
   while (out < count) {
-    const size_t size = count - out < BATCH ? count - out : BATCH;
-    const size_t next_end = count - out < 2 * BATCH ? count : out + 2 * BATCH;
-    for (; fetched < next_end; fetched++) __builtin_prefetch(&neighbours[4 * (size_t)queue[fetched]]);
+    const size_t left = count - out, size = left < BATCH ? left : BATCH, near_end = left < AHEAD ? count : out + AHEAD;
+    for (; fetched < near_end; fetched++) __builtin_prefetch(&neighbours[4 * (size_t)queue[fetched]]);
+    const bool is_long = left >= AHEAD + BATCH;
+    const uint32_t *const ahead = &queue[is_long ? out + AHEAD : out];
+    if (is_long) fetched = out + AHEAD + BATCH;
     uint32_t states = 0;
-    const size_t arc_count = list_arcs(neighbours, state, &queue[out], size, arcs, &states);
-    for (size_t i = 0; i < arc_count; i++) {
-      const uint32_t target = arcs[i];
-      const uint8_t left = (uint8_t)(state[target] - SORT_PENDING);
-      state[target] = left;
-      queue[count] = target;
-      count += (left & SORT_PENDING_MASK) == 0;
+    const size_t arc_count = list_arcs(neighbours, state, &queue[out], size, ahead, arcs, &states);
+    size_t i = 0;
+    for (; i + 4 <= arc_count; i += 4) {
+      count = take_arc(state, arcs[i], queue, count);
+      count = take_arc(state, arcs[i + 1], queue, count);
+      count = take_arc(state, arcs[i + 2], queue, count);
+      count = take_arc(state, arcs[i + 3], queue, count);
     }
+    for (; i < arc_count; i++) count = take_arc(state, arcs[i], queue, count);
     if (follows != NULL && (states & SORT_HAS_ARCS))
-      for (size_t i = 0; i < size; i++)
-        if (state[queue[out + i]] & SORT_HAS_ARCS) count = sort_follow(follows, queue[out + i], queue, count);
+      for (size_t c = 0; c < size; c++)
+        if (state[queue[out + c]] & SORT_HAS_ARCS) count = sort_follow(follows, queue[out + c], queue, count);
     out += size;
   }
   return count;
@@ -69,14 +78,12 @@ static size_t let_go(cellist_sorter *sorter, bool came_out, uint32_t *queue, siz
   for (size_t block = 0; block < ends->block_count; block++) {
     if (!ends->is_near[block]) continue;
     for (size_t i = SORT_BLOCK * block; i < SORT_BLOCK * (block + 1) && i < sorter->cells.count; i += 8) {
-      uint64_t wanted = eight_pending(&ends->mirrored[i]);
+      uint64_t wanted = eight_waiting(&ends->mirrored[i]);
       if (came_out) wanted ^= 0x0101010101010101u;
       for (; wanted != 0; wanted &= wanted - 1) {
         const size_t cell = i + (size_t)__builtin_ctzll(wanted) / 8;
         if (cell >= sorter->cells.count) break;
-        sorter->state[cell] = (uint8_t)(sorter->state[cell] - SORT_PENDING);
-        queue[count] = (uint32_t)cell;
-        count += (sorter->state[cell] & SORT_PENDING_MASK) == 0;
+        count = take_arc(sorter->state, (uint32_t)cell, queue, count);
       }
     }
   }

@@ -6,7 +6,7 @@
 #include "sorter.h"
 
 /* Puts out cells far to near, as long as there is one with nothing left behind it; returns how many. The rest holds
- * cycles, and has states with SORT_PENDING_MASK in them. sorter->state is filled; with sorter->uses_ends, for both
+ * cycles, and is still waiting. sorter->state is filled; with sorter->uses_ends, for both
  * ends. */
 size_t sort_topologically(cellist_sorter *sorter, uint32_t *order);
 

@@ -10,12 +10,9 @@
 #include "ends.h"
 #include "gaps/gaps.h"
 #include "signs/signs.h"
+#include "state.h"
 #include "subset.h"
 #include "view.h"
-
-/* A cell's state in one view: bits 0-3: the neighbour there lies in front; bits 4-6: how many neighbours behind it are
- * not out, and one more for other arcs; bit 7: other arcs lead from it to nearer cells. */
-enum { SORT_PENDING = 16, SORT_PENDING_MASK = 0x70, SORT_HAS_ARCS = 0x80 };
 
 struct cellist_sorter {
   cellist_context *context;

@@ -18,12 +18,12 @@
 #include "../gaps/overlap.h"
 #include "../memory.h"
 #include "../signs/signs.h"
+#include "../state.h"
 #include "bsp.h"
 #include "peer.h"
 
-/* A cell's state: bits 0-3: the neighbour there lies in front; bits 4-6: how many neighbours behind it are not out, and
- * one more for all else that it waits for; bit 7: it has boundary faces. */
-enum { PENDING = 16, PENDING_MASK = 0x70, ON_BOUNDARY = 0x80 };
+/* A cell's state is as the sorter's, but that the bit for other arcs says that the cell has boundary faces. */
+enum { ON_BOUNDARY = SORT_HAS_ARCS };
 
 /* Where the eye sees a face, roughly: the direction to it and half an angle around it; in parallel views a point of the
  * image and a radius. */
@@ -41,7 +41,7 @@ struct peer_bsp_xmpvo {
   sort_planes planes;
   sort_boundary boundary;
   peer_bsp tree;
-  uint8_t *state;       /* as the sorter's; bit 7: the cell has boundary faces */
+  uint8_t *state;
   float *spheres;       /* [4 face_count] centre and radius */
   int8_t *sides;        /* [face_count] 1: the eye is outside of the face */
   uint32_t *parts_left; /* [face_count] parts that the traversal has not passed */
@@ -147,8 +147,7 @@ static bool may_cover(const struct sight *a, const struct sight *b) {
 
 /* One less behind a cell. */
 static void release_state(struct peer_bsp_xmpvo *own, uint32_t tet) {
-  own->state[tet] = (uint8_t)(own->state[tet] - PENDING);
-  if ((own->state[tet] & PENDING_MASK) == 0) own->order[own->count++] = tet;
+  if (sort_let_go(&own->state[tet])) own->order[own->count++] = tet;
 }
 
 static void release_row(struct peer_bsp_xmpvo *own, uint32_t row) {
@@ -269,7 +268,7 @@ static void begin_view(struct peer_bsp_xmpvo *own, const sort_eye *eye) {
   }
   for (size_t row = 0; row < boundary->row_count; row++) {
     uint8_t *state = &own->state[boundary->row_tets[row]];
-    *state = (uint8_t)((*state | ON_BOUNDARY) + (own->pending[row] > 0 ? PENDING : 0));
+    *state = (uint8_t)((*state | ON_BOUNDARY) + (own->pending[row] > 0 ? SORT_WAIT : 0));
   }
 }
 
@@ -280,8 +279,8 @@ static void cut_cycles(cellist_peer *peer, const sort_eye *eye) {
   const peer_item *sorted = peer_radix_sort(peer->items, tet_count);
   for (size_t i = 0; i < tet_count && own->count < tet_count; i++) {
     const uint32_t tet = sorted[i].tet;
-    if ((own->state[tet] & PENDING_MASK) == 0) continue;
-    own->state[tet] = (uint8_t)((own->state[tet] & ~PENDING_MASK) + PENDING);
+    if (!sort_is_waiting(own->state[tet])) continue;
+    own->state[tet] = (uint8_t)((own->state[tet] | SORT_READY) + SORT_WAIT);
     release_state(own, tet);
     put_out(own);
   }
@@ -296,7 +295,7 @@ cellist_result peer_sort_bsp_xmpvo(cellist_peer *peer, const sort_eye *eye, uint
   sort_planes_find_states(peer->context, &own->cells, &own->planes, eye, own->state, NULL);
   begin_view(own, eye);
   for (uint32_t tet = 0; tet < tet_count; tet++)
-    if ((own->state[tet] & PENDING_MASK) == 0) order[own->count++] = tet;
+    if (!sort_is_waiting(own->state[tet])) order[own->count++] = tet;
   put_out(own);
   const cellist_result result = traverse(peer, &scene);
   if (result != CELLIST_SUCCESS) return result;

@@ -11,8 +11,8 @@
  * otherwise undecided. Faces without a neighbour count as neither.
  * planes: [64 group_count] 16-byte aligned, of each of four tets four planes of four; inner: [group_count] bit
  * 4 tet + face: the face has a neighbour. eye: its sum of squares and each plane's are below 2^30.
- * states: [4 group_count] filled: bits 0-3 outside, and 16 for each inside. mirrored: NULL, or the same with outside
- * and inside exchanged. undecided: [group_count] filled, bits as inner. */
+ * states: [4 group_count] filled as state.h says: bits 0-3 outside, a wait for each inside. mirrored: NULL, or the same
+ * with outside and inside exchanged. undecided: [group_count] filled, bits as inner. */
 typedef void (*sort_sign_kernel)(const int16_t *planes, const uint16_t *inner, const int16_t eye[4], int32_t doubt,
                                  size_t group_count, uint8_t *states, uint8_t *mirrored, uint16_t *undecided);
 

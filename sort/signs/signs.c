@@ -13,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../state.h"
+
 /* Just below 2^15: rounding adds at most 1 to the length. */
 static const double LENGTH = 32766;
 
@@ -24,9 +26,6 @@ static const double ROUNDING = 0.51;
  * goes to the exact test. At 1e-8, doubles move a plane's number by 32766 * 4 * 1.1e-16 / 1e-8 = 0.0015, well below
  * 0.01. */
 static const double FLATTEST = 1e-8;
-
-/* More behind a cell than it has neighbours. */
-enum { HELD = 0x70 };
 
 enum { CHUNK = 1024 }; /* groups a range: so many masks stand on the stack */
 
@@ -169,10 +168,10 @@ static void decide(const struct job *job, size_t cell, uint32_t k) {
   sort_cell_face(job->cells, cell, k, p);
   if (is_in_plane(job->eye, p[0], p[1], p[2])) return;
   const int side = sort_eye_side(job->eye, p[0], p[1], p[2]);
-  job->states[cell] = (uint8_t)(job->states[cell] + (side > 0 ? 1 << k : side < 0 ? 16 : 0));
+  job->states[cell] = (uint8_t)(job->states[cell] + (side > 0 ? 1 << k : side < 0 ? SORT_WAIT : 0));
   if (job->ends == NULL || !job->ends->is_near[cell / SORT_BLOCK]) return;
   uint8_t *mirrored = &job->ends->mirrored[cell];
-  *mirrored = (uint8_t)(*mirrored + (side < 0 ? 1 << k : side > 0 ? 16 : 0));
+  *mirrored = (uint8_t)(*mirrored + (side < 0 ? 1 << k : side > 0 ? SORT_WAIT : 0));
 }
 
 /* Faces in whose planes a parallel view's eye lies, since each coordinate is 0 in its direction or in their normals. */
@@ -200,8 +199,8 @@ static void find_range(void *user, size_t begin, size_t end, unsigned worker) {
     uint8_t *states = &job->states[4 * i], *mirrored = job->ends != NULL ? &job->ends->mirrored[4 * i] : NULL;
     planes->kernel(&planes->planes[64 * i], &planes->inner[i], job->eye_numbers, job->doubt, count, states,
                    is_near ? mirrored : NULL, &undecided[i - begin]);
-    for (size_t cell = 0; cell < 4 * count && is_near; cell++) states[cell] = (uint8_t)(states[cell] + 16);
-    if (mirrored != NULL && !is_near) memset(mirrored, HELD, 4 * count);
+    for (size_t cell = 0; cell < 4 * count && is_near; cell++) states[cell] = (uint8_t)(states[cell] + SORT_WAIT);
+    if (mirrored != NULL && !is_near) memset(mirrored, SORT_HELD, 4 * count);
   }
   size_t count = 0;
   if (job->eye->parallel) drop_faces_along_the_view(job, begin, end, undecided);

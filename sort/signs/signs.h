@@ -22,10 +22,10 @@ typedef struct sort_planes {
 cellist_result sort_planes_create(cellist_context *context, const sort_cells *cells, sort_planes *planes);
 void sort_planes_release(cellist_context *context, sort_planes *planes);
 
-/* Writes all cells' states (bit k: the neighbour across face k lies in front; 16 for each neighbour behind).
+/* Writes all cells' states (bit k: the neighbour across face k lies in front; a wait for each neighbour behind).
  * states: [4 group_count], of which cells->count matter. Returns how many faces 16 bits could not decide.
- * ends: NULL, or for a sort from both ends: then states of its near half hold 16 more, and its mirrored states say of
- * that half what lies behind (bits) and how much in front (16 each); of the other half that much more than can be. */
+ * ends: NULL, or for a sort from both ends: then states of its near half wait for one more, and its mirrored states say
+ * of that half what lies behind (bits) and for how many in front to wait; of the other half SORT_HELD. */
 size_t sort_planes_find_states(cellist_context *context, const sort_cells *cells, const sort_planes *planes,
                                const sort_eye *eye, uint8_t *states, const sort_ends *ends);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Signs with AVX2: a tet's four planes are one 256-bit word. On other machines the portable kernel stands in. */
+#include "../state.h"
 #include "kernel.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -10,12 +11,12 @@ bool sort_has_avx2(void) { return __builtin_cpu_supports("avx2"); }
 /* Sixteen lanes in the order below become four states. */
 __attribute__((target("avx2"))) static inline void store_states(__m256i outside, __m256i inside, __m256i faces,
                                                                 uint8_t *states) {
-  const __m256i sixteen = _mm256_set1_epi16(16), ones = _mm256_set1_epi16(1);
-  const __m256i parts = _mm256_or_si256(_mm256_and_si256(outside, faces), _mm256_and_si256(inside, sixteen));
+  const __m256i wait = _mm256_set1_epi16(SORT_WAIT), ones = _mm256_set1_epi16(1);
+  const __m256i parts = _mm256_or_si256(_mm256_and_si256(outside, faces), _mm256_and_si256(inside, wait));
   const __m256i pairs = _mm256_madd_epi16(parts, ones); /* faces 0 + 1, and 2 + 3, of each tet */
   __m128i sums = _mm_add_epi32(_mm256_castsi256_si128(pairs), _mm256_extracti128_si256(pairs, 1));
   sums = _mm_packs_epi32(sums, sums);
-  sums = _mm_packus_epi16(sums, sums);
+  sums = _mm_add_epi8(_mm_packus_epi16(sums, sums), _mm_set1_epi8((char)SORT_READY));
   _mm_storeu_si32(states, sums);
 }
 

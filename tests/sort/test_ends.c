@@ -64,13 +64,13 @@ TEST(both_ends_put_out_all_that_can_come_out)
     }
     for (size_t i = 0; i < cells->count; i++) {
       const bool is_near = sorter.ends.is_near[i / SORT_BLOCK];
-      unsigned plain = is_near ? 16 : 0, mirrored = 0;
+      unsigned plain = SORT_READY + (is_near ? SORT_WAIT : 0), mirrored = SORT_READY;
       for (size_t k = 0; k < 4; k++) {
-        plain += (unsigned)is_front[4 * i + k] << k | 16u * is_behind[4 * i + k];
-        mirrored += (unsigned)is_behind[4 * i + k] << k | 16u * is_front[4 * i + k];
+        plain += ((unsigned)is_front[4 * i + k] << k) + SORT_WAIT * is_behind[4 * i + k];
+        mirrored += ((unsigned)is_behind[4 * i + k] << k) + SORT_WAIT * is_front[4 * i + k];
       }
       sorter.state[i] = (uint8_t)plain;
-      sorter.ends.mirrored[i] = (uint8_t)(is_near ? mirrored : 0x70);
+      sorter.ends.mirrored[i] = (uint8_t)(is_near ? mirrored : SORT_HELD);
     }
     const size_t done = sort_topologically(&sorter, order);
     check_order(cells, is_behind, order, done);

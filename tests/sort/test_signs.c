@@ -2,6 +2,7 @@
  * Signs: every kernel gives the same bits, and states are those that exact predicates give. */
 #include "../../sort/arcs.h"
 #include "../../sort/signs/signs.h"
+#include "../../sort/state.h"
 
 #include "scene.h"
 
@@ -41,8 +42,8 @@ TEST(arc_kernels_agree_and_list_the_faces_in_front)
   for (int round = 0; round < 300; round++) {
     const size_t count = random_below(&random, BATCH + 1);
     for (size_t i = 0; i < count; i++) tets[i] = (uint32_t)random_below(&random, TETS);
-    const size_t arc_count = sort_list_arcs_portable(neighbours, cell_states, tets, count, arcs[0], &seen[0]);
-    assert_int_equal(sort_list_arcs_avx2(neighbours, cell_states, tets, count, arcs[1], &seen[1]), arc_count);
+    const size_t arc_count = sort_list_arcs_portable(neighbours, cell_states, tets, count, tets, arcs[0], &seen[0]);
+    assert_int_equal(sort_list_arcs_avx2(neighbours, cell_states, tets, count, tets, arcs[1], &seen[1]), arc_count);
     assert_int_equal(seen[0], seen[1]);
     size_t expected = 0;
     uint32_t all = 0;
@@ -81,15 +82,15 @@ static void check_states(cellist_context *context, uint64_t seed, double scale, 
       if (portable) planes.kernel = sort_signs_portable;
       sort_planes_find_states(context, &cells, &planes, &eye, states, NULL);
       for (size_t tet = 0; tet < desc.tet_count; tet++) {
-        unsigned state = 0;
+        unsigned state = SORT_READY;
         for (size_t k = 0; k < 4; k++) {
           if (desc.neighbours[4 * tet + k] == CELLIST_NONE) continue;
           const double *p[3];
           for (int c = 0; c < 3; c++) p[c] = &points[3 * desc.tets[4 * tet + SORT_TET_FACE[k][c]]];
           const int side = sort_eye_side(&eye, p[0], p[1], p[2]);
-          state += side > 0 ? 1u << k : side < 0 ? 16 : 0;
+          state += side > 0 ? 1u << k : side < 0 ? SORT_WAIT : 0;
         }
-        assert_int_equal(states[tet], state);
+        assert_int_equal(states[tet], state % 256);
       }
     }
   }
