@@ -109,8 +109,8 @@ CELLIST_API bool cellist_sorter_is_convex(const cellist_sorter *sorter);
  * Arrays: order has cellist_sorter_order_size entries and is the caller's; stats may be NULL.
  * Errors: INVALID_ARGUMENT (NULL, a position that is not finite, a direction of length 0), OUT_OF_MEMORY.
  * Threads: one call per sorter at a time, using the context's workers; the same order for any number of workers.
- * Cost: see the module's README. A sort allocates nothing, unless a view has more than 32 gap arcs a boundary face; then
- * it makes room for four times as many, which is kept. */
+ * Cost: see the module's README. A sort allocates nothing, unless a view has more than 32 gap arcs a boundary face;
+ * then it makes room for four times as many, which is kept. */
 CELLIST_API cellist_result cellist_sorter_sort(cellist_sorter *sorter, const cellist_viewpoint *viewpoint,
                                                uint32_t *order, cellist_sort_stats *stats);
 
