@@ -176,7 +176,11 @@ static void settle_sides(work *w, key_list *corners) {
     for (end = begin + 1; end < kept && corners->items[end] >> 32 == corners->items[begin] >> 32;) end++;
     struct hull_side side = widest(w, &corners->items[begin], end - begin);
     const size_t planes = w->planes.count, limbs = w->limbs.count;
-    const uint32_t plane = exact_add_plane(w, side.v[0], side.v[1], side.v[2]);
+    uint32_t plane = exact_add_plane(w, side.v[0], side.v[1], side.v[2]);
+    for (size_t i = begin; plane == CELLIST_NONE && i < end; i++) { /* a side as thin as rounding: any corner will do */
+      side.v[2] = (uint32_t)corners->items[i];
+      plane = exact_add_plane(w, side.v[0], side.v[1], side.v[2]);
+    }
     if (plane == CELLIST_NONE) work_stop(w, CELLIST_ERROR_INTERNAL, "convexify: the hull has a side of no area");
     if (exact_same_direction(w, plane, side.plane) < 0) {
       const uint32_t swap = side.v[1];

@@ -2,6 +2,7 @@
  * Shapes of cubes: concave, in pieces, with holes, cavities and islands, touching themselves. Cell counts are known for
  * the simple ones; for all of them volumes must add up, cells be convex and rays cross them end to end. */
 #include <cellist/convexify.h>
+#include <cellist/generate.h>
 
 #include "check_faults.h"
 #include "harness.h"
@@ -120,6 +121,25 @@ TEST(tetgen_fills_every_shape_or_cutting_does)
   check(&AT_CORNER, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
   check(&ISLAND, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
   check(&TUNNEL, CELLIST_EXTERIOR_DELAUNAY, SIZE_MAX);
+}
+
+/* Many sticks in a circle, with sides so thin that rounding cannot tell their widest triangle; so thin, too, that
+ * cellist_complex_is_valid, which measures in doubles, finds no plane in some. */
+TEST(sides_as_thin_as_rounding_are_filled)
+{
+  cellist_context *context = harness_context(1);
+  cellist_mesh *mesh = NULL;
+  const cellist_generate_desc generate = {.size = 172, .seed = 364795};
+  assert_success(context, cellist_generate(context, "cyclic", &generate, &mesh));
+  const cellist_convexify_desc desc = {.exterior = CELLIST_EXTERIOR_HULL, .seed = 1};
+  cellist_complex *complex = NULL;
+  cellist_convexify_stats stats;
+  assert_success(context, cellist_convexify(context, mesh, &desc, &complex, &stats));
+  assert_true(stats.volume_error <= 1e-12);
+  assert_int_equal(stats.convexity_violations, 0);
+  cellist_complex_destroy(complex);
+  cellist_mesh_destroy(mesh);
+  harness_context_destroy(context);
 }
 
 /* Each cube has points of its own: seams in full contact part cells, but bound no exterior. */
