@@ -135,15 +135,16 @@ static inline fast_gain8 fast_deep_gain8(const fast_band8 *band, f8 from, f8 to,
     fast_lanes_add(band, at, share, gain.colour);
     centre = f8_fma(share, f8_sub(to, at), centre);
     left = f8_sub(left, share);
+    gain.alpha = f8_add(gain.alpha, share); /* 1 - left would be 0 in a faint lane beside deep ones */
     const f8 rest = f8_select(f8_greater(left, f8_all(opaque)), f8_sub(one, w), zero);
     from = middle;
     a = f8_mul(there, rest);
     b = f8_mul(b, rest);
   }
-  gain.alpha = f8_sub(one, left);
+  gain.alpha = f8_min(gain.alpha, one);
   const f8 extent = f8_sub(to, start);
-  gain.place = f8_select(f8_greater(f8_abs(extent), zero),
-                         f8_div(centre, f8_mul(f8_max(gain.alpha, f8_all(1e-30f)), extent)), f8_all(0.5f));
+  const f8 place = f8_div(centre, f8_mul(f8_max(gain.alpha, f8_all(1e-30f)), extent));
+  gain.place = f8_select(f8_greater(f8_abs(extent), zero), f8_min(f8_max(place, zero), one), f8_all(0.5f));
   return gain;
 }
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../project/optics/fast_optics.h"
+#include "../../project/optics/fast_lanes.h"
 #include "../raycast/oracle.h"
 #include "harness.h"
 
@@ -148,6 +148,35 @@ TEST(knots_far_outside_the_scalars_are_extended_or_interpolated)
     assert_true(fabs(-log(light.transmittance) - cases[i].expected) < 1e-5);
     fast_transfer_release(context, &table);
   }
+  harness_context_destroy(context);
+}
+
+/* Lanes do not change each other: a faint piece keeps its opacity and its centre beside pieces that are cut. */
+TEST(a_faint_piece_beside_deep_ones_keeps_its_digits)
+{
+  cellist_context *context = harness_context(1);
+  cellist_transfer_knot knots[] = {{0, 1, {0, 0, 0}}, {1, 1, {1, 1, 1}}};
+  const cellist_transfer transfer = {2, knots};
+  fast_transfer table;
+  assert_success(context, fast_transfer_create(context, &transfer, 0, 1, 1, true, &table));
+  const float from[8] = {0.25f, 0.25f, 0.5f, 0.5f, 0.25f, 0.25f, 0.25f, 0.25f};
+  const float to[8] = {0.75f, 0.75f, 0.5000002f, 0.7f, 0.75f, 0.75f, 0.75f, 0.75f};
+  const float length[8] = {50, 1e-12f, 1e-12f, 1e-20f, 3, 1e-3f, 0.5f, 1e-30f};
+  const fast_band8 band = fast_band8_at(&table, fast_find8(&table, f8_load(from)));
+  fast_gain8 gain;
+  fast_gain8_of(&table, &band, f8_load(from), f8_load(to), f8_load(length), &gain);
+  float alpha[8], place[8], red[8];
+  f8_store(alpha, gain.alpha);
+  f8_store(place, gain.place);
+  f8_store(red, gain.colour[0]);
+  for (int i = 0; i < 8; i++) {
+    const double expected = -expm1(-(double)length[i]);
+    assert_true(fabs((double)alpha[i] - expected) <= 1e-5 * expected);
+    assert_true(place[i] >= 0 && place[i] <= 1);
+    assert_true(red[i] >= 0.24f * alpha[i] && red[i] <= 0.76f * alpha[i]);
+  }
+  assert_true(fabsf(place[1] - 0.5f) < 1e-5f && fabsf(place[3] - 0.5f) < 1e-5f);
+  fast_transfer_release(context, &table);
   harness_context_destroy(context);
 }
 
