@@ -31,6 +31,10 @@
 /* Scalars are 0 to 1 over the mesh; a cell's range below this is counted as this. Smaller: more careful cells. */
 #define CAREFUL_SCALAR 1e-3
 
+/* A face is seen edge-on, its plane says nothing in single precision, if the eye is this near to it for its distance.
+ * Smaller: pixels in its picture may see cells of both sides by turns; larger: more careful cells. */
+#define CAREFUL_EDGE_ON 1e-6
+
 /* With the eye in the cell and the near plane at 0 the entry's 1/t is infinite: it is cut to this many times the
  * exit's. Larger: 1/t loses digits of the exit; smaller: this share of the length is missing. */
 #define ENTRY_LIMIT 1048576.0
@@ -184,6 +188,7 @@ static inline void cells_set_up(const soft_scene *scene, const uint32_t cell[4],
   }
   batch->clipped = d4_at_most(z_low, d4_all(scene->near));
 
+  unsigned edge_on = 0;
   d4 at[4], per_x[4], per_y[4], best = d4_all(0), reference = d4_all(0);
   for (int k = 0; k < 4; k++) {
     const d4 *on = v[k == 0 ? 1 : 0];
@@ -191,6 +196,11 @@ static inline void cells_set_up(const soft_scene *scene, const uint32_t cell[4],
     const d4 flat = d4_add(d4_mul(a[k].x, rays.across), d4_mul(a[k].y, rays.upward));
     const d4 above = scene->parallel ? d4_sub(flat, h) : d4_add(flat, a[k].z);
     const d4 below = scene->parallel ? a[k].z : h;
+    const d4 reach = scene->parallel
+                         ? d4_all(1)
+                         : vector_dot((cell_vector){on[0], on[1], on[2]}, (cell_vector){on[0], on[1], on[2]});
+    edge_on |= d4_at_most(d4_mul(below, below),
+                          d4_mul(d4_all(CAREFUL_EDGE_ON * CAREFUL_EDGE_ON), d4_mul(vector_dot(a[k], a[k]), reach)));
     const d4 inverse = d4_div(d4_all(1), below);
     batch->is_entry[k] = d4_at_most(d4_all(0), below);
     at[k] = d4_mul(above, inverse);
@@ -247,7 +257,7 @@ static inline void cells_set_up(const soft_scene *scene, const uint32_t cell[4],
   const d4 varies = d4_mul(farthest, cell_size(scalar.at, scalar.per_x, scalar.per_y, columns, rows));
   const d4 range = d4_max(d4_sub(s_high, s_low), d4_all(CAREFUL_SCALAR));
   plain &= d4_at_most(varies, d4_mul(d4_all(CAREFUL_RATIO), range));
-  batch->careful |= 15 & ~plain;
+  batch->careful |= edge_on | (15 & ~plain);
 
   const d4 record[3][4] = {{rays.place, rays.place_x, rays.place_y, scalar.at},
                            {scalar.per_x, scalar.per_y, scalar.per_end, s[0]},

@@ -176,6 +176,7 @@ static inline void fill_plain(const tile_cell *cell, const soft_worker *limits, 
  * that a ray within rounding of it is counted once. Positive, times side, is inside. */
 typedef struct careful_plane {
   double normal[3], offset, side;
+  double size, reach; /* of the normal; of what rounding of the offset (parallel: of the slope) is a part of */
 } careful_plane;
 
 static inline void order_two(uint32_t *a, uint32_t *b, double *side) {
@@ -200,12 +201,19 @@ static inline void careful_planes(const soft_scene *scene, uint32_t cell, carefu
     for (int i = 0; i < 3; i++) plane->normal[i] = e[(i + 1) % 3] * f[(i + 2) % 3] - e[(i + 2) % 3] * f[(i + 1) % 3];
     plane->offset = plane->normal[0] * a.x + plane->normal[1] * a.y + plane->normal[2] * a.z;
     plane->side = side;
+    plane->size = fabs(plane->normal[0]) + fabs(plane->normal[1]) + fabs(plane->normal[2]);
+    plane->reach = plane->size * (scene->parallel ? 1 : fabs(a.x) + fabs(a.y) + fabs(a.z));
   }
 }
 
 /* fmin and fmax are calls into the mathematical library. */
 static inline double smaller(double a, double b) { return a < b ? a : b; }
 static inline double larger(double a, double b) { return a > b ? a : b; }
+
+/* Rays this near to a plane that the eye is as near to lie in it: faces in one plane must agree on who has such a ray,
+ * or cells of both sides, which have no order, are seen by turns. Smaller: rounding decides; larger: cells that thin.
+ */
+#define CAREFUL_TIE 1e-12
 
 /* Cuts leaves..enters by a plane; false if the ray lies beside it. A ray in the plane counts as one displaced to the
  * right by an infinitesimal, and up by its square. */
@@ -215,6 +223,8 @@ static inline bool cut_by_plane(const careful_plane *plane, bool parallel, doubl
   const double flat = n[0] * u + n[1] * v;
   const double above = parallel ? flat - plane->offset : flat + n[2], below = parallel ? n[2] : plane->offset;
   const double is_inside = below * plane->side;
+  if (fabs(below) <= CAREFUL_TIE * plane->reach && fabs(above) <= CAREFUL_TIE * plane->size * (1 + fabs(u) + fabs(v)))
+    return (fabs(n[0]) > CAREFUL_TIE * plane->size ? n[0] : n[1]) * plane->side > 0;
   if (is_inside > 0)
     *enters = smaller(*enters, above / below);
   else if (is_inside < 0)
