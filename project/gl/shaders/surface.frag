@@ -15,7 +15,7 @@ flat in int triangle;
 layout(location = 0) out vec4 result; // colour, depth
 layout(location = 1) out vec4 seen;   // the ray's limits, the surface being the far one
 
-const float MARGIN = 4.0e-7;
+const float MARGIN = 2.0e-7;
 
 void main() {
   int id[3];
@@ -34,7 +34,11 @@ void main() {
   float a = dot(forward, corner[0] - eye), b = a + dot(forward, u), c = a + dot(forward, v);
   // Seen edge-on, rounding may put it anywhere; it lies between the corners' depths.
   float speed = dot(n, direction);
-  float depth = speed != 0.0 ? dot(n, corner[0] - origin) / speed : a;
+  float offset = dot(n, corner[0] - origin);
+  float depth = speed != 0.0 ? offset / speed : a;
+  // How far rounding may move it: the more obliquely the plane is seen, the further.
+  float doubt = length(corner[0] - origin) + abs(depth) * length(direction);
+  doubt *= MARGIN * min(length(n) / max(abs(speed), 1.0e-37), 1.0e2);
   depth = clamp(depth, min(a, min(b, c)), max(a, max(b, c)));
   vec3 q = origin + depth * direction - corner[0];
   float size = max(dot(n, n), 1.0e-37);
@@ -66,9 +70,9 @@ void main() {
   result = vec4(colour, depth);
   // Rays end a few roundings before the surface: see surface_layer_limit.
 #ifdef PARALLEL
-  place -= MARGIN * (abs(depth) + unit);
+  place -= doubt * unit;
 #else
-  place *= 1.0 + MARGIN;
+  place *= 1.0 + doubt * unit * place;
 #endif
   seen = vec4(between.x, place, 0.0, 0.0);
 }
