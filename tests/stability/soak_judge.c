@@ -19,15 +19,17 @@ static const double SHIFT = 1e-4;
 
 /* Light by gradients at points, which is taken at 1 to 4 places of a segment: the highlight by faces, all of it by
  * soft. Meshes of six cells have long segments; on finer ones errors are as the folders' READMEs say. */
-static const double LIT_FACES[4] = {0.1, 0.06, 0.05, 0.04}, LIT_SOFT[4] = {0.25, 0.12, 0.08, 0.06};
-/* psi looks weights up in a table; other tables know the transfer function at their nodes only. */
-static const double PSI = 1e-3, TABLE = 3e-2;
-/* OpenGL moves a fan's corners by up to 1/512 pixel along either axis, and an opaque surface's. */
-static const double FAN = 5e-3, CORNER_SHIFT = 1.0 / 128;
+static const double LIT_FACES[4] = {0.08, 0.03, 0.02, 0.02}, LIT_SOFT[4] = {0.1, 0.05, 0.03, 0.02};
+/* Tables know the transfer function at their nodes only; psi is held to single precision. */
+static const double TABLE = 1e-2;
+/* OpenGL moves a fan's corners by up to 1/512 pixel along either axis, and an opaque surface's; a largest scalar is not
+ * weighed by the cell's extent, and may be that of a cell not much larger. */
+static const double FAN = 5e-3, FAN_MAXIMUM = 5e-2, CORNER_SHIFT = 1.0 / 128;
 /* Roundings of a blend, to 11 bits or to bytes: of what is added, of what is left through, and of their sum. */
 static const double BLEND_16F = 3 * 0x1p-12, BLEND_8 = 3 * 0.5 / 255;
 
-enum { SHIFTS = 8 };
+/* Eight directions, as far as the shift and a quarter as far: what is seen may be narrower than it. */
+enum { DIRECTIONS = 8, SHIFTS = 2 * DIRECTIONS };
 
 static const char *const CHANNELS[] = {"R", "G", "B", "A"};
 
@@ -36,6 +38,7 @@ typedef struct allowance {
   double plain;    /* in parts of the picture's largest value */
   double per_cell; /* more for each cell on the ray, in parts of it or of 1 if that is larger */
   double shift;    /* of the reference, in pixels */
+  bool has_facets; /* at a surface's edges OpenGL may show a facet that is hidden there */
   bool is_finite;  /* nothing else is known */
 } allowance;
 
@@ -50,14 +53,14 @@ static allowance allowance_of(const soak_scene *scene, double peak) {
                       (model->model == CELLIST_MODEL_EMISSION_ABSORPTION || model->model == CELLIST_MODEL_EMISSION);
   const uint32_t samples = model->sample_count > 0 ? model->sample_count : 1;
   if (is_lit && desc->renderer != CELLIST_RENDERER_CAST) made.plain = (is_gl ? LIT_FACES : LIT_SOFT)[samples - 1];
-  if (is_faces && is_volume && model->integration == CELLIST_INTEGRATION_PSI) made.plain = fmax(made.plain, PSI);
   if (is_faces && is_volume && model->integration == CELLIST_INTEGRATION_TABLE) {
     made.plain = fmax(made.plain, TABLE);
     /* README's limits: spikes are smeared, and so is what a narrow range makes of any function. */
     made.is_finite = made.is_finite || desc->optics.has_range || strcmp(desc->optics.transfer, "spikes") == 0;
   }
-  if (is_fan) made.plain = fmax(made.plain, FAN);
+  if (is_fan) made.plain = fmax(made.plain, model->model == CELLIST_MODEL_MAXIMUM ? FAN_MAXIMUM : FAN);
   if (is_fan || (is_gl && desc->surface_count > 0)) made.shift = CORNER_SHIFT;
+  made.has_facets = is_gl && desc->surface_count > 0;
   const bool is_float = desc->framebuffer == CELLIST_FRAMEBUFFER_32F || model->model == CELLIST_MODEL_MAXIMUM;
   if (is_gl && !is_float) {
     made.per_cell = desc->framebuffer == CELLIST_FRAMEBUFFER_16F ? BLEND_16F : BLEND_8;
@@ -73,12 +76,13 @@ static bool shifted(cellist_context *context, const cellist_view *view, const un
                     cellist_view *moved) {
   cellist_frame frame;
   if (cellist_frame_from_view(context, view, size[0], size[1], &frame) != CELLIST_SUCCESS) return false;
-  static const int ways[SHIFTS][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
+  static const int ways[DIRECTIONS][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
+  if (step >= DIRECTIONS) shift /= 4;
   double distance = 0;
   for (int k = 0; k < 3; k++) distance = hypot(distance, view->target[k] - view->eye[k]);
   const double unit = frame.parallel ? 1 : distance;
-  const double x = shift * ways[step][0] * 2 * frame.half_width / size[0] * unit;
-  const double y = shift * ways[step][1] * 2 * frame.half_height / size[1] * unit;
+  const double x = shift * ways[step % DIRECTIONS][0] * 2 * frame.half_width / size[0] * unit;
+  const double y = shift * ways[step % DIRECTIONS][1] * 2 * frame.half_height / size[1] * unit;
   *moved = *view;
   for (int k = 0; k < 3; k++) {
     const double by = x * frame.right[k] + y * frame.up[k];
@@ -98,7 +102,16 @@ static double value_of(const cellist_image *image, int channel, size_t pixel) {
   return (double)cellist_image_channel(image, CHANNELS[channel])[pixel];
 }
 
-static bool is_explained(const struct pictures *pictures, size_t pixel, double tolerance) {
+/* Whether a surface ends near the pixel, in front of something or of nothing. */
+static bool is_at_edge(const struct pictures *pictures, size_t pixel) {
+  const float *z = cellist_image_channel(pictures->reference, "ZBack");
+  for (size_t i = 0; i < pictures->moved_count; i++)
+    if (fabsf(cellist_image_channel(pictures->moved[i], "ZBack")[pixel] - z[pixel]) > 1e-3F * z[pixel]) return true;
+  return false;
+}
+
+static bool is_explained(const struct pictures *pictures, size_t pixel, double tolerance, bool has_facets) {
+  if (has_facets && is_at_edge(pictures, pixel)) return true;
   for (int k = 0; k < 4; k++) {
     double low = value_of(pictures->reference, k, pixel), high = low;
     for (size_t i = 0; i < pictures->moved_count; i++) {
@@ -106,6 +119,7 @@ static bool is_explained(const struct pictures *pictures, size_t pixel, double t
       low = fmin(low, value);
       high = fmax(high, value);
     }
+    if (has_facets && high - low > tolerance) return true;
     const double value = value_of(pictures->drawn, k, pixel);
     if (!(value >= low - tolerance && value <= high + tolerance)) return false;
   }
@@ -177,7 +191,7 @@ static cellist_result compare(cellist_context *context, cellist_pipeline *caster
     }
     const cellist_result result = draw_moved(context, caster, scene, view, allowed.shift, pictures);
     if (result != CELLIST_SUCCESS) return result;
-    if (is_explained(pictures, i, tolerance)) {
+    if (is_explained(pictures, i, tolerance, allowed.has_facets)) {
       totals->shifted_pixels++;
       continue;
     }
