@@ -17,6 +17,10 @@ gl_scale gl_scale_of(const cellist_scalar *scalar) {
                     .factor = half_range > 0 ? 1 / half_range : 1};
 }
 
+/* Isosurfaces lie this much of the scalar's half range lower: a region that holds their very value is above them then,
+ * up to its rim, as in every renderer. Below rounding: it is above and below by turns; larger: surfaces move. */
+static const float BELOW = 4e-6F;
+
 void gl_intervals_release(cellist_context *context, gl_intervals *intervals) {
   cellist_deallocate(context, intervals->knots);
   cellist_deallocate(context, intervals->texels);
@@ -63,7 +67,7 @@ static cellist_result write_isosurfaces(cellist_context *context, const cellist_
                           "isosurface %zu has the value %g and the opacity %g, which must lie in 0..1", i, iso->value,
                           iso->opacity);
     size_t at = i;
-    const float value = scaled(scale, iso->value);
+    const float value = scaled(scale, iso->value) - BELOW;
     for (; at > 0 && made->knots[at - 1] > value; at--) {
       made->knots[at] = made->knots[at - 1];
       memcpy(&made->texels[8 * at], &made->texels[8 * (at - 1)], 8 * sizeof(float));

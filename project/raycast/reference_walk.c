@@ -52,16 +52,22 @@ struct crossing {
 static struct crossing cross_face(const ray_walker *walker, const line_point corner[3], const bool is_tie[3]) {
   const line_crossing at = line_cross_face(&walker->line, corner, is_tie);
   struct crossing crossing = {.t = at.depth, .t_error = at.depth_error, .offset = at.offset};
+  double least = HUGE_VAL, most = -HUGE_VAL;
   for (int c = 0; c < 3; c++) {
     if (walker->scalar->association == CELLIST_ON_POINTS) {
       const double value = walker->scalar->values[corner[c].id];
       crossing.scalar += at.weight[c] * value;
+      least = value < least ? value : least;
+      most = value > most ? value : most;
       crossing.largest_scalar = larger(crossing.largest_scalar, fabs(value));
     }
     if (walker->point_gradients != NULL)
       for (int k = 0; k < 3; k++)
         crossing.gradient[k] += at.weight[c] * walker->point_gradients[3 * (size_t)corner[c].id + (size_t)k];
   }
+  /* A face of one value has that value: rounding must not put it on either side of an isosurface. */
+  if (crossing.scalar < least) crossing.scalar = least;
+  if (crossing.scalar > most) crossing.scalar = most;
   return crossing;
 }
 

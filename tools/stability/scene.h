@@ -40,6 +40,7 @@ void build_step(stability_scene *scene, double extinction);
 void build_spike(stability_scene *scene, double half_width);
 void build_comb(stability_scene *scene, double unused);
 void build_close_surfaces(stability_scene *scene, double apart);
+void build_plateau(stability_scene *scene, double sign);
 void build_scalar_scale(stability_scene *scene, double scale);
 void build_scalar_offset(stability_scene *scene, double offset);
 void build_cell_step(stability_scene *scene, double unused);

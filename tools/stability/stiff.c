@@ -54,6 +54,21 @@ void build_close_surfaces(stability_scene *scene, double apart) {
   scene->isos[1] = (cellist_isosurface){0.5 + apart, 1};
 }
 
+/* A region, up to the mesh's boundary, holds the value of a surface; sign: what is outside lies below (-1) or above. */
+void build_plateau(stability_scene *scene, double sign) {
+  harmless(scene);
+  for (size_t i = 0; i < scene->point_count; i++) {
+    const double value = scene->points[4 * i + 3];
+    scene->points[4 * i + 3] = 0.3 + sign * fmax(0, value - 0.45);
+  }
+  scene_knot(scene, 0.3, 1, 1, 0.3, 0.1);
+  scene_knot(scene, 0.45, 1, 0.1, 0.4, 1);
+  scene->optics.model = CELLIST_MODEL_ISOSURFACES;
+  scene->optics.iso_count = 2;
+  scene->isos[0] = (cellist_isosurface){0.3, 0.6};
+  scene->isos[1] = (cellist_isosurface){0.45, 1};
+}
+
 void build_scalar_scale(stability_scene *scene, double scale) {
   harmless(scene);
   for (size_t i = 0; i < scene->point_count; i++) scene->points[4 * i + 3] *= scale;
