@@ -21,10 +21,10 @@ static const double SHIFT = 1e-4;
  * soft. Meshes of six cells have long segments; on finer ones errors are as the folders' READMEs say. */
 static const double LIT_FACES[4] = {0.08, 0.03, 0.02, 0.02}, LIT_SOFT[4] = {0.1, 0.05, 0.03, 0.02};
 /* Tables know the transfer function at their nodes only; psi is held to single precision. */
-static const double TABLE = 1e-2;
+static const double TABLE = 3e-2;
 /* OpenGL moves a fan's corners by up to 1/512 pixel along either axis, and an opaque surface's; a largest scalar is not
  * weighed by the cell's extent, and may be that of a cell not much larger. */
-static const double FAN = 5e-3, FAN_MAXIMUM = 5e-2, CORNER_SHIFT = 1.0 / 128;
+static const double FAN = 2e-2, FAN_MAXIMUM = 5e-2, CORNER_SHIFT = 1.0 / 128;
 /* Roundings of a blend, to 11 bits or to bytes: of what is added, of what is left through, and of their sum. */
 static const double BLEND_16F = 3 * 0x1p-12, BLEND_8 = 3 * 0.5 / 255;
 
