@@ -213,58 +213,51 @@ static int facet_sign(const work *w, uint32_t facet) {
   return 0;
 }
 
+/* Of w->events, which come in counter-clockwise order from some start: the first one above the plane (sign 1) or below
+ * it (-1), counting from the plane on; NULL: none. */
+static const work_event *first_beyond(work *w, uint32_t edge, int sign) {
+  const size_t count = w->events.count;
+  const work_event *events = w->events.items;
+  size_t beyond = 0;
+  for (size_t i = 0; i < count; i++) {
+    if (facet_sign(w, events[i].facet) != sign) continue;
+    if (count == 1 || facet_sign(w, events[(i + count - 1) % count].facet) != sign) return &events[i];
+    beyond++;
+  }
+  /* All of them: the first one follows the widest gap, which holds the other half. */
+  for (size_t i = 0; i < beyond; i++) {
+    const work_event *e = &events[i];
+    bool is_first = true;
+    for (size_t j = 0; j < count && is_first; j++) {
+      const work_event *o = &events[j];
+      if (o == e) continue;
+      is_first = e->direction * o->direction *
+                     sector_turn(w, edge, w->facets.items[e->facet].plane, w->facets.items[o->facet].plane) >
+                 0;
+    }
+    if (is_first) return e;
+  }
+  return NULL;
+}
+
 /* Whether the piece is on the cap's place to the left (right) of an edge in the plane: the next event ends the piece.
  */
 static void cap_at_edge(work *w, uint32_t edge, uint32_t cell, uint32_t plane) {
   sectors_gather(w, edge, cell);
-  const size_t count = w->events.count;
   const work_event *left = NULL, *right = NULL;
-  w->upper.count = w->lower.count = 0;
-  for (size_t i = 0; i < count; i++) {
+  bool beyond = false;
+  for (size_t i = 0; i < w->events.count; i++) {
     const work_event *e = &w->events.items[i];
-    const int sign = facet_sign(w, e->facet);
-    if (sign == 0) {
-      const uint32_t own = w->facets.items[e->facet].plane;
-      const int same = own == plane ? 1 : exact_same_direction(w, own, plane);
-      if (e->direction * same > 0)
-        left = e;
-      else
-        right = e;
-    } else {
-      if (sign > 0)
-        list_push(w, &w->upper, *e);
-      else
-        list_push(w, &w->lower, *e);
-    }
+    const uint32_t own = w->facets.items[e->facet].plane;
+    if (facet_sign(w, e->facet) != 0)
+      beyond = true;
+    else if (e->direction * (own == plane ? 1 : exact_same_direction(w, own, plane)) > 0)
+      left = e;
+    else
+      right = e;
   }
-  if (w->upper.count + w->lower.count == 0) return;
-  /* Events come in counter-clockwise order from some start: the first above is the one whose forerunner is not above.
-   */
-  const work_event *first_upper = NULL, *first_lower = NULL;
-  for (size_t i = 0; i < count; i++) {
-    const work_event *e = &w->events.items[i], *before = &w->events.items[(i + count - 1) % count];
-    const int sign = facet_sign(w, e->facet), before_sign = facet_sign(w, before->facet);
-    if (sign > 0 && (before_sign <= 0 || count == 1)) first_upper = e;
-    if (sign < 0 && (before_sign >= 0 || count == 1)) first_lower = e;
-  }
-  /* All above (or all below): the first one follows the widest gap, which holds the other half. */
-  for (int half = 0; half < 2; half++) {
-    const int sign = half == 0 ? 1 : -1;
-    const work_event **first = half == 0 ? &first_upper : &first_lower;
-    if (*first != NULL || (half == 0 ? w->upper.count : w->lower.count) == 0) continue;
-    for (size_t i = 0; i < count; i++) {
-      const work_event *e = &w->events.items[i];
-      bool is_first = true;
-      for (size_t j = 0; j < count && is_first; j++) {
-        const work_event *o = &w->events.items[j];
-        if (o == e || facet_sign(w, o->facet) != sign) continue;
-        is_first = e->direction * o->direction *
-                       sector_turn(w, edge, w->facets.items[e->facet].plane, w->facets.items[o->facet].plane) >
-                   0;
-      }
-      if (is_first) *first = e;
-    }
-  }
+  if (!beyond) return;
+  const work_event *first_upper = first_beyond(w, edge, 1), *first_lower = first_beyond(w, edge, -1);
   const work_event *after_left = first_upper != NULL ? first_upper : right != NULL ? right : first_lower;
   const work_event *after_right = first_lower != NULL ? first_lower : left != NULL ? left : first_upper;
   const work_edge *e = &w->edges.items[edge];

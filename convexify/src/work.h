@@ -199,7 +199,7 @@ typedef struct work {
   uint32_t epoch, epoch_edges, choices;
   id_list touched, ids, split, on_plane, zeros, near, set_order;
   double_list set_boxes;
-  LIST(work_event) events, upper, lower;
+  LIST(work_event) events;
   LIST(cap_use) cap_uses;
   LIST(cap_loop) cap_loops;
   int cap_axis, cap_sign; /* the projection in which turns are taken, and its sense */
