@@ -248,7 +248,7 @@ static cellist_result draw_range(gl_drawing *drawing, const uint32_t *order, siz
     cellist_result result = gl_batch_send(drawing, stage, order + begin, to - begin, inside, used, &pieces);
     if (result == CELLIST_SUCCESS) result = gl_batch_draw(drawing, pieces, stage);
     if (result == CELLIST_SUCCESS)
-      result = cellist_progress(gl->context, "drawing", (double)begin / (double)drawing->order_count);
+      result = cellist_progress(gl->context, "projecting", (double)begin / (double)drawing->order_count);
     if (result != CELLIST_SUCCESS) return result;
     groups += used;
     group_count -= used;

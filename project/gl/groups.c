@@ -286,7 +286,7 @@ static cellist_result draw_layers(struct group *group, const struct part *part) 
     drawing->stats.fragment_count += found;
     bind_texture(api, GL_UNIT_LAST_LAYER, layers->placed[into]);
     result = resolve(drawing, GL_STAGE_LAYER_RESOLVE);
-    if (result == CELLIST_SUCCESS) result = cellist_progress(gl->context, "drawing", 0.5);
+    if (result == CELLIST_SUCCESS) result = cellist_progress(gl->context, "projecting", 0.5);
   }
   gl_target_use(api, &gl->target, false);
   return result;
