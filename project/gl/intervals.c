@@ -19,7 +19,7 @@ gl_scale gl_scale_of(const cellist_scalar *scalar) {
 
 /* Isosurfaces lie this much of the scalar's half range lower: a region that holds their very value is above them then,
  * up to its rim, as in every renderer. Below rounding: it is above and below by turns; larger: surfaces move. */
-static const float BELOW = 4e-6F;
+static const float BELOW = 4e-7F;
 
 void gl_intervals_release(cellist_context *context, gl_intervals *intervals) {
   cellist_deallocate(context, intervals->knots);
