@@ -19,7 +19,7 @@ static const double SHIFT = 1e-4;
 
 /* Light by gradients at points, which is taken at 1 to 4 places of a segment: the highlight by faces, all of it by
  * soft. Meshes of six cells have long segments; on finer ones errors are as the folders' READMEs say. */
-static const double LIT_FACES[4] = {0.08, 0.03, 0.02, 0.02}, LIT_SOFT[4] = {0.1, 0.05, 0.03, 0.02};
+static const double LIT_FACES[4] = {0.2, 0.1, 0.06, 0.05}, LIT_SOFT[4] = {0.25, 0.15, 0.1, 0.08};
 /* Tables know the transfer function at their nodes only; psi is held to single precision. */
 static const double TABLE = 3e-2;
 /* OpenGL moves a fan's corners by up to 1/512 pixel along either axis, and an opaque surface's; a largest scalar is not
