@@ -38,10 +38,11 @@ static const char *const CHANNELS[] = {"R", "G", "B", "A"};
 
 /* How far a pixel may be off. */
 typedef struct allowance {
-  double plain;         /* in parts of the picture's largest value */
-  double per_cell;      /* more for each cell on the ray, in parts of it or of 1 if that is larger */
-  double shift;         /* of the reference, in pixels */
-  bool has_facets;      /* at a surface's edges OpenGL may show a facet that is hidden there */
+  double plain;    /* in parts of the picture's largest value */
+  double per_cell; /* more for each cell on the ray, in parts of it or of 1 if that is larger */
+  double shift;    /* of the reference, in pixels */
+  /* At a surface's edges OpenGL may show a facet that is hidden there; a ray along facets may show one it lies in. */
+  bool has_facets;
   double strays, stray; /* a share of the pixels that may be off by more, and by how much, as `plain` */
   bool is_finite;       /* nothing else is known */
 } allowance;
@@ -65,7 +66,7 @@ static allowance allowance_of(const soak_scene *scene, double peak) {
   if (is_fan) made.strays = FAN_STRAYS, made.stray = FAN_STRAY;
   if (is_fan) made.plain = fmax(made.plain, model->model == CELLIST_MODEL_MAXIMUM ? FAN_MAXIMUM : FAN);
   if (is_fan || (is_gl && desc->surface_count > 0)) made.shift = CORNER_SHIFT;
-  made.has_facets = is_gl && desc->surface_count > 0;
+  made.has_facets = desc->surface_count > 0 && (is_gl || scene->is_along);
   const bool is_float = desc->framebuffer == CELLIST_FRAMEBUFFER_32F || model->model == CELLIST_MODEL_MAXIMUM;
   if (is_gl && !is_float) {
     made.per_cell = desc->framebuffer == CELLIST_FRAMEBUFFER_16F ? BLEND_16F : BLEND_8;
