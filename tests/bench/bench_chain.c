@@ -14,9 +14,9 @@ static double measure(cellist_context *context, const cellist_mesh *mesh, const 
                       const cellist_complex *complex, unsigned views, double plain) {
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
   cellist_sorter_complex arrays = {0};
-  cellist_sorter_desc desc = bench_desc(mesh);
+  cellist_sorter_desc desc = sorter_desc_of(mesh);
   if (complex != NULL) {
-    arrays = bench_complex_arrays(complex);
+    arrays = sorter_complex_of(complex);
     desc.complex = &arrays;
   }
   cellist_sorter *sorter = NULL;

@@ -111,7 +111,7 @@ static void bench_complex(cellist_context *context, const cellist_mesh *mesh, ce
     fprintf(stderr, "bench_sort: %s: %s\n", subject.mesh_name, cellist_context_take_error(context));
     return;
   }
-  const cellist_sorter_complex arrays = bench_complex_arrays(complex);
+  const cellist_sorter_complex arrays = sorter_complex_of(complex);
   desc.complex = &arrays;
   if (cellist_sorter_create(context, &desc, &subject.sorter) != CELLIST_SUCCESS) fail(context);
   bench_method(context, &subject, "cellist_complex", false);
@@ -121,7 +121,7 @@ static void bench_complex(cellist_context *context, const cellist_mesh *mesh, ce
 
 static void bench_mesh(cellist_context *context, cellist_context *two, const char *name, const cellist_mesh *mesh) {
   const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
-  const cellist_sorter_desc desc = bench_desc(mesh);
+  const cellist_sorter_desc desc = sorter_desc_of(mesh);
   struct subject subject = {.mesh_name = name,
                             .bounds = a->bounds,
                             .tet_count = a->tet_count,

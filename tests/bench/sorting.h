@@ -3,7 +3,6 @@
 #ifndef CELLIST_BENCH_SORTING_H
 #define CELLIST_BENCH_SORTING_H
 
-#include <cellist/convexify.h>
 #include <cellist/generate.h>
 #include <cellist/mesh.h>
 #include <cellist/sort.h>
@@ -12,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+#include "../chain/complex.h"
+#include "../sort/desc.h"
 
 static inline double bench_seconds(clockid_t clock) {
   struct timespec now;
@@ -46,21 +48,6 @@ static inline cellist_viewpoint bench_view(const double bounds[6], unsigned i, u
   for (int k = 0; k < 3; k++)
     view.position[k] = 0.5 * (bounds[k] + bounds[3 + k]) + 3.86 * sqrt(half_diagonal) * direction[k];
   return view;
-}
-
-static inline cellist_sorter_desc bench_desc(const cellist_mesh *mesh) {
-  const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
-  return (cellist_sorter_desc){.point_count = a->point_count,
-                               .points = a->positions,
-                               .tet_count = a->tet_count,
-                               .tets = a->tets,
-                               .neighbours = a->neighbours};
-}
-
-static inline cellist_sorter_complex bench_complex_arrays(const cellist_complex *complex) {
-  const cellist_complex_arrays *c = cellist_complex_get_arrays(complex);
-  return (cellist_sorter_complex){c->cell_count,  c->point_count, c->points,      c->offset_count, c->offsets,
-                                  c->plane_count, c->planes,      c->facet_count, c->facet_planes, c->facet_cells};
 }
 
 static inline bool bench_is_sample(const char *name) {

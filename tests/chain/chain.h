@@ -3,9 +3,8 @@
 #ifndef CELLIST_TESTS_CHAIN_H
 #define CELLIST_TESTS_CHAIN_H
 
-#include <cellist/convexify.h>
-
 #include "../sort/judge.h"
+#include "complex.h"
 
 enum { EXTERIORS = 4 };
 
@@ -16,12 +15,6 @@ typedef struct chain {
   cellist_sorter_desc desc;
   cellist_sorter *sorter;
 } chain;
-
-static inline cellist_sorter_complex sorter_complex_of(const cellist_complex *complex) {
-  const cellist_complex_arrays *c = cellist_complex_get_arrays(complex);
-  return (cellist_sorter_complex){c->cell_count,  c->point_count, c->points,      c->offset_count, c->offsets,
-                                  c->plane_count, c->planes,      c->facet_count, c->facet_planes, c->facet_cells};
-}
 
 static inline chain *chain_create(cellist_context *context, const cellist_mesh *mesh, int exterior) {
   chain *made = calloc(1, sizeof *made);

@@ -28,6 +28,15 @@ static inline void make_cell(random_state *random, bool sliver, double points[12
   }
 }
 
+/* CELLS of them, moved by an offset, with scalars: [12 * CELLS] and [4 * CELLS]. */
+static inline void make_cells(random_state *random, bool sliver, double offset, double *points, double *values) {
+  for (size_t i = 0; i < CELLS; i++) {
+    make_cell(random, sliver, &points[12 * i]);
+    for (size_t k = 0; k < 12; k++) points[12 * i + k] += offset;
+    for (size_t k = 0; k < 4; k++) values[4 * i + k] = random_between(random, -0.6, 1.4);
+  }
+}
+
 /* A camera for a tet: one in four inside it (perspective), one in four with the near plane through it. */
 static inline cellist_frame random_frame(random_state *random, cellist_context *context,
                                          const cellist_mesh_arrays *arrays, uint32_t tet, bool parallel) {

@@ -98,10 +98,7 @@ static void compare_cell(stage *made, uint32_t tet, const cellist_frame *frame, 
 static void random_cells(bool sliver, bool parallel) {
   random_state random = {sliver ? 73 : 72};
   double *points = malloc(CELLS * 12 * sizeof *points), *values = malloc(CELLS * 4 * sizeof *values);
-  for (size_t i = 0; i < CELLS; i++) {
-    make_cell(&random, sliver, &points[12 * i]);
-    for (size_t k = 0; k < 4; k++) values[4 * i + k] = random_between(&random, -0.6, 1.4);
-  }
+  make_cells(&random, sliver, 0, points, values);
   cellist_context *context = harness_context(1);
   stage made;
   assert_success(context, stage_open(context, CELLIST_GL_OSMESA, CELLS, points, values, SIZE, &made));

@@ -44,10 +44,7 @@ static unsigned sides_of(const stage *made, const cellist_frame *frame, uint32_t
 static void compare_kernels(bool sliver, bool parallel) {
   random_state random = {81};
   double *points = malloc(CELLS * 12 * sizeof *points), *values = malloc(CELLS * 4 * sizeof *values);
-  for (size_t i = 0; i < CELLS; i++) {
-    make_cell(&random, sliver, &points[12 * i]);
-    for (size_t k = 0; k < 4; k++) values[4 * i + k] = random_between(&random, -0.6, 1.4);
-  }
+  make_cells(&random, sliver, 0, points, values);
   cellist_context *context = harness_context(1);
   stage made;
   assert_success(context, stage_open(context, CELLIST_GL_AUTO, CELLS, points, values, SIZE, &made));

@@ -69,6 +69,12 @@ static cellist_order_facts facts_of(cellist_context *context, const cellist_mesh
   return facts;
 }
 
+static void remove_directory(const char *directory) {
+  char command[128];
+  snprintf(command, sizeof command, "rm -r %s", directory);
+  assert_int_equal(system(command), 0);
+}
+
 TEST(the_choice_is_kept_with_its_reason)
 {
   char directory[] = "/tmp/cellist_order_XXXXXX";
@@ -87,9 +93,7 @@ TEST(the_choice_is_kept_with_its_reason)
   assert_string_equal(made.reason, alone.reason);
   assert_int_equal(made.imaginary_cells, kept.imaginary_cells);
   assert_true(strstr(made.reason, made.exterior) != NULL);
-  char command[128];
-  snprintf(command, sizeof command, "rm -r %s", directory);
-  assert_int_equal(system(command), 0);
+  remove_directory(directory);
   cellist_mesh_destroy(mesh);
   harness_context_destroy(context);
 }
@@ -111,9 +115,7 @@ TEST(one_picture_makes_no_exterior_but_takes_one_that_is_kept)
   facts = facts_of(context, mesh, &one);
   assert_true(facts.imaginary_cells > 0 && facts.cached);
   assert_string_equal(facts_of(context, mesh, &told).exterior, "hull");
-  char command[128];
-  snprintf(command, sizeof command, "rm -r %s", directory);
-  assert_int_equal(system(command), 0);
+  remove_directory(directory);
   cellist_mesh_destroy(mesh);
   harness_context_destroy(context);
 }

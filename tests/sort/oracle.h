@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "desc.h"
 #include "harness.h"
 
 typedef struct oracle_count {
@@ -113,16 +114,6 @@ static oracle_count oracle_check(const cellist_sorter_desc *mesh, const cellist_
   free(hits);
   free(rank);
   return count;
-}
-
-/* The sorter's view of a mesh. */
-static inline cellist_sorter_desc sorter_desc_of(const cellist_mesh *mesh) {
-  const cellist_mesh_arrays *a = cellist_mesh_get_arrays(mesh);
-  return (cellist_sorter_desc){.point_count = a->point_count,
-                               .points = a->positions,
-                               .tet_count = a->tet_count,
-                               .tets = a->tets,
-                               .neighbours = a->neighbours};
 }
 
 #endif

@@ -13,9 +13,8 @@
 #include "pipeline.h"
 
 /* Nanoseconds (bench_sort, spx to post): a cell, and a boundary face without an exterior and with one, which is made
- * once, at some 20 us a boundary face, and shared by the pictures to come; a part of the mesh gets none. Other values
- * change speed, never a picture. */
-static const double SORT_CELL = 8, GAP_FACE = 700, SORT_FACE = 20, EXTERIOR_FACE = 20000;
+ * once and shared by the pictures to come; a part of the mesh gets none. Other values change speed, never a picture. */
+static const double SORT_CELL = 8, GAP_FACE = 700, SORT_FACE = 20;
 
 /* What is counted for if it is not named: pixels along a side, pictures. */
 enum { USUAL_SIZE = 512, MANY = 1000 };
@@ -67,7 +66,7 @@ cellist_renderer pipeline_choose(cellist_pipeline *pipeline) {
   const double frames = desc->frames > 0 ? desc->frames : MANY;
   const bool sorts = desc->optics.model.model == CELLIST_MODEL_EMISSION_ABSORPTION;
   const draw_counts counts = count_usual(pipeline, width, height);
-  const double face = is_part ? GAP_FACE : fmin(GAP_FACE, SORT_FACE + EXTERIOR_FACE / frames);
+  const double face = is_part ? GAP_FACE : fmin(GAP_FACE, SORT_FACE + EXTERIOR_FACE_COST / frames);
   const double order = SORT_CELL * counts.tets + face * counts.boundary_faces;
   const double soft = 1e9 * draw_cost_seconds(draw_cost_of(CELLIST_RENDERER_SOFT, CELLIST_PRECISION_FAST), &counts, 1) +
                       (sorts ? order : 0);

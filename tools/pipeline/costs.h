@@ -5,6 +5,9 @@
 
 #include <cellist/pipeline.h>
 
+/* Nanoseconds that making an exterior takes, a boundary face (spx, bluntfin and post; gears_t 400,000). */
+enum { EXTERIOR_FACE_COST = 20000 };
+
 /* What a picture's cost depends on. */
 typedef struct draw_counts {
   double tets, fragments, pixels, boundary_faces;

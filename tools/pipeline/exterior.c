@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "costs.h"
 #include "pipeline.h"
 
 #ifdef CELLIST_HAS_CONVEXIFY
@@ -30,9 +31,6 @@ static const double GOOD_ENOUGH = 2;
 
 /* With more boundary faces than this, making an exterior takes minutes: gaps are ordered by overlap instead. */
 static const size_t DELAUNAY_FACES = 400000, CUT_FACES = 60000;
-
-/* What making an exterior takes, a boundary face (spx, bluntfin and post 20 us, gears_t 400). */
-static const double MAKING_FACE = 20000;
 
 enum { SAMPLE_VIEWS = 6 };
 
@@ -347,7 +345,7 @@ static cellist_result is_too_dear(cellist_order *plain, const cellist_order_desc
   if (desc->exterior != CELLIST_ORDER_AUTO || desc->needs_complex || desc->pictures == 0) return CELLIST_SUCCESS;
   const cellist_result result = count_work(plain, 1);
   const double plain_sort = CELL_WORK * (double)cellist_mesh_get_arrays(plain->mesh)->tet_count;
-  const double making = MAKING_FACE * (double)cellist_mesh_get_facts(plain->mesh)->boundary_face_count;
+  const double making = EXTERIOR_FACE_COST * (double)cellist_mesh_get_facts(plain->mesh)->boundary_face_count;
   *dear = desc->pictures * (plain->work - 1) * plain_sort < making;
   if (*dear)
     snprintf(plain->facts.reason, sizeof plain->facts.reason,
