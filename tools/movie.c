@@ -156,7 +156,7 @@ static cellist_result draw_all(cellist_context *context, const cellist_mesh *mes
                                const char *directory, size_t *pictures) {
   static const double grey[3] = {0.6, 0.6, 0.6};
   const double *bounds = cellist_mesh_get_arrays(mesh)->bounds;
-  const cellist_view view = cellist_view_orbit(bounds, 30.96, 34.45);
+  const cellist_view view = cellist_view_orbit(bounds, CELLIST_VIEW_AZIMUTH, CELLIST_VIEW_ELEVATION);
   const cellist_surface_cells boundary = {.mesh = mesh, .colour = grey};
   cellist_frame frame;
   cellist_scalar scalar = {0};

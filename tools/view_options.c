@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The view of the project's own comparisons. */
-static const double DEFAULT_AZIMUTH = 30.96, DEFAULT_ELEVATION = 34.45;
-
 void view_options_init(view_options *options, option_spec table[VIEW_OPTION_COUNT]) {
   *options = (view_options){.fovy = 30, .parallel = NAN};
   options->eye.expected = options->target.expected = options->up.expected = 3;
@@ -69,8 +66,8 @@ const char *view_options_resolve(const view_options *options, const double bound
   if (!(options->fovy > 0 && options->fovy < 180)) return "--fovy must lie between 0 and 180 degrees";
   if (options->near_distance < 0) return "--near must be at least 0";
   const bool has_orbit = options->orbit.count > 0;
-  *view = cellist_view_orbit(bounds, has_orbit ? options->orbit.value[0] : DEFAULT_AZIMUTH,
-                             has_orbit ? options->orbit.value[1] : DEFAULT_ELEVATION);
+  *view = cellist_view_orbit(bounds, has_orbit ? options->orbit.value[0] : CELLIST_VIEW_AZIMUTH,
+                             has_orbit ? options->orbit.value[1] : CELLIST_VIEW_ELEVATION);
   if (options->eye.count > 0) {
     memcpy(view->eye, options->eye.value, sizeof view->eye);
     view->up[0] = view->up[1] = 0;

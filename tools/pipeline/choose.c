@@ -21,7 +21,8 @@ enum { USUAL_SIZE = 512, MANY = 1000 };
 
 /* Of what can show something in the usual view; nothing if the mesh has no extent to look at. */
 static draw_counts count_usual(const cellist_pipeline *pipeline, uint32_t width, uint32_t height) {
-  const cellist_view view = cellist_view_orbit(cellist_mesh_get_arrays(pipeline->mesh)->bounds, 30.96, 34.45);
+  const cellist_view view =
+      cellist_view_orbit(cellist_mesh_get_arrays(pipeline->mesh)->bounds, CELLIST_VIEW_AZIMUTH, CELLIST_VIEW_ELEVATION);
   cellist_frame frame;
   if (cellist_frame_from_view(pipeline->context, &view, width, height, &frame) == CELLIST_SUCCESS)
     return draw_counts_of(pipeline->mesh, &frame, pipeline->visible);

@@ -157,7 +157,7 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
   if (image == NULL)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "cellist_pipeline_draw: image is NULL");
   const cellist_mesh_arrays *arrays = cellist_mesh_get_arrays(pipeline->mesh);
-  const cellist_view usual = cellist_view_orbit(arrays->bounds, 30.96, 34.45);
+  const cellist_view usual = cellist_view_orbit(arrays->bounds, CELLIST_VIEW_AZIMUTH, CELLIST_VIEW_ELEVATION);
   cellist_frame frame;
   cellist_result result = cellist_frame_from_view(context, view != NULL ? view : &usual, width, height, &frame);
   if (result != CELLIST_SUCCESS) return result;

@@ -12,6 +12,9 @@
 /* Logarithms need a floor: differences below rounding of single precision are drawn here. */
 static const double LEAST_ERROR = 1e-9;
 
+/* Of a number of two digits, in decades. */
+static const double LABEL_WIDTH = 0.12, LABEL_HEIGHT = 0.35;
+
 cellist_result report_check_gnuplot(cellist_context *context) {
   if (system("gnuplot --version >/dev/null 2>&1") == 0) return CELLIST_SUCCESS;
   return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
@@ -21,7 +24,7 @@ cellist_result report_check_gnuplot(cellist_context *context) {
 struct point {
   size_t number;
   double seconds, rmse;
-  bool pareto;
+  bool pareto, is_labelled;
 };
 
 static int by_seconds(const void *a, const void *b) {
@@ -36,17 +39,33 @@ static size_t gather(const report_run *report, size_t mesh, bool lit, struct poi
     const report_row *row = &report->rows[i];
     if (row->mesh != mesh || !row->drawn || (report_setting_at(row->setting)->samples > 0) != lit) continue;
     points[count++] = (struct point){row->setting + 1, fmax(row->sort_seconds + row->draw_seconds, 1e-5),
-                                     fmax(row->error.rmse, LEAST_ERROR), row->pareto};
+                                     fmax(row->error.rmse, LEAST_ERROR), row->pareto, false};
   }
   qsort(points, count, sizeof *points, by_seconds);
   return count;
 }
 
-static void write_points(FILE *script, const char *name, const struct point *points, size_t count, bool front) {
+/* Labels that would cover each other are one. */
+static bool share_label(const struct point *a, const struct point *b) {
+  return fabs(log10(a->seconds / b->seconds)) < LABEL_WIDTH && fabs(log10(a->rmse / b->rmse)) < LABEL_HEIGHT;
+}
+
+/* Lines "seconds rmse label"; points without a label of their own have an empty one. */
+static void write_points(FILE *script, const char *name, struct point *points, size_t count, bool front) {
   fprintf(script, "$%s << end\n", name);
-  for (size_t i = 0; i < count; i++)
-    if (!front || points[i].pareto)
-      fprintf(script, "%.6g %.6g %zu\n", points[i].seconds, points[i].rmse, points[i].number);
+  for (size_t i = 0; i < count; i++) points[i].is_labelled = false;
+  for (size_t i = 0; i < count; i++) {
+    if (front && !points[i].pareto) continue;
+    fprintf(script, "%.6g %.6g \"", points[i].seconds, points[i].rmse);
+    const char *separator = "";
+    for (size_t k = i; k < count && !points[i].is_labelled; k++) {
+      if (k > i && (points[k].is_labelled || !share_label(&points[i], &points[k]))) continue;
+      fprintf(script, "%s%zu", separator, points[k].number);
+      separator = ",";
+      if (k > i) points[k].is_labelled = true;
+    }
+    fprintf(script, "\"\n");
+  }
   fprintf(script, "end\n");
 }
 

@@ -172,15 +172,16 @@ cellist_result report_write_html(cellist_context *context, const report_run *rep
       html,
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Cellist: error against run time</title>"
       "<style>%s</style></head><body>\n<h1>Error against run time</h1>\n"
-      "<p>Pictures of %ux%u pixels, from azimuth 30.96 and elevation 34.45 degrees, transfer function ramp at unit "
+      "<p>Pictures of %ux%u pixels, from azimuth %g and elevation %g degrees, transfer function ramp at unit "
       "distance diagonal/50. The truth is the double-precision ray caster, unlit for the unlit settings and lit "
-      "exactly "
-      "for the lit ones; errors are over covered pixels, linear premultiplied RGBA. Times are medians of %u frames "
-      "after "
-      "a first one that is not counted. One factor is varied at a time. Bold rows are on the Pareto front: no other "
-      "setting is both faster and closer. In the charts numbers are the rows of the table, filled points are unlit, "
-      "open ones lit; errors below 1e-9 stand at 1e-9. Differences are scaled so that the largest is white.</p>\n",
-      STYLE, report->options->size[0], report->options->size[1], report->options->frames);
+      "exactly for the lit ones (" REPORT_LIGHT
+      "); errors are over covered pixels, linear premultiplied RGBA. Times "
+      "are medians of %u frames from places half a degree apart, after a first one that is not counted. One factor is "
+      "varied at a time. Bold rows are on the Pareto front: no other setting is both faster and closer. In the charts "
+      "numbers are the rows of the table, filled points are unlit, open ones lit; errors below 1e-9 stand at 1e-9. "
+      "Differences are scaled so that the largest is white.</p>\n",
+      STYLE, report->options->size[0], report->options->size[1], CELLIST_VIEW_AZIMUTH, CELLIST_VIEW_ELEVATION,
+      report->options->frames);
   write_object(html, report->machine);
   fprintf(html, "<ul>\n");
   char name[128];

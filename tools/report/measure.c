@@ -71,23 +71,27 @@ static cellist_result write_both(const struct measurement *m, const cellist_imag
   return result;
 }
 
-/* Draws until there are enough frames; fills in times and counts. */
+/* Draws until there are enough frames; fills in times and counts. Each is seen from another place, so that each is
+ * sorted; the last one from where the truth is. */
 static cellist_result draw_frames(const struct measurement *m, cellist_pipeline *pipeline, report_row *row,
                                   cellist_image **image) {
   const report_options *options = m->report->options;
+  const double *bounds = cellist_mesh_get_arrays(m->loaded)->bounds;
   double *sort = calloc(options->frames, sizeof *sort), *draw = calloc(options->frames, sizeof *draw);
   cellist_pipeline_stats stats = {0};
   cellist_result result = sort != NULL && draw != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
   const double begin = clock_seconds();
   size_t count = 0;
-  /* The first of several frames compiles shaders and fills caches: it counts only if time runs out. */
-  const unsigned total = options->frames > 1 ? options->frames + 1 : 1;
-  for (unsigned i = 0; i < total && result == CELLIST_SUCCESS; i++) {
-    if (i > 0 && clock_seconds() - begin > PATIENCE) break;
-    if (i == 1) count = 0;
+  bool is_last = false;
+  for (unsigned i = 0; result == CELLIST_SUCCESS && !is_last; i++) {
+    /* The first of several frames compiles shaders and fills caches: it does not count. */
+    is_last = i == (options->frames > 1 ? options->frames : 0) || clock_seconds() - begin > PATIENCE;
+    const cellist_view view =
+        cellist_view_orbit(bounds, CELLIST_VIEW_AZIMUTH + (is_last ? 0 : 0.5 * (i + 1)), CELLIST_VIEW_ELEVATION);
     cellist_image_destroy(*image);
     *image = NULL;
-    result = cellist_pipeline_draw(pipeline, NULL, options->size[0], options->size[1], image, &stats);
+    result = cellist_pipeline_draw(pipeline, &view, options->size[0], options->size[1], image, &stats);
+    if (i == 0 && !is_last) continue;
     sort[count] = stats.sort_seconds;
     draw[count++] = stats.draw_seconds;
   }

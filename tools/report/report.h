@@ -24,6 +24,9 @@ typedef struct report_setting {
   cellist_sorting sorting;
 } report_setting;
 
+/* The light of lit settings, in words. */
+#define REPORT_LIGHT "headlight, ambient 0.35, diffuse 0.65, highlight 0.2 with exponent 20"
+
 /* Setting i, or NULL from the last one on. */
 const report_setting *report_setting_at(size_t i);
 

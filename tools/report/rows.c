@@ -203,8 +203,7 @@ json_t *report_to_json(const report_run *report) {
   return json_pack("{s:s, s:O, s:i, s:i, s:i, s:i, s:s, s:s, s:o, s:o}", "version", CELLIST_VERSION_STRING, "machine",
                    report->machine, "width", (int)options->size[0], "height", (int)options->size[1], "frames",
                    (int)options->frames, "threads", (int)options->threads, "view", "orbit 30.96,34.45", "optics",
-                   "transfer ramp, unit diagonal/50; lit: headlight, ambient 0.35, diffuse 0.65", "meshes", meshes,
-                   "rows", rows);
+                   "transfer ramp, unit diagonal/50; lit: " REPORT_LIGHT, "meshes", meshes, "rows", rows);
 }
 
 cellist_result report_write_csv(cellist_context *context, const report_run *report) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Settings: what a report draws. Around `faces` exact, the default of a factor, one factor is varied at a time. */
+ * Settings: what a report draws. Around `faces` exact, unlit and lit with one sample, one factor is varied at a time.
+ */
 #include <stdio.h>
 #include <string.h>
 
@@ -39,25 +40,11 @@ static const report_setting SETTINGS[] = {
      .samples = 1},
     {.factor = "light", .name = "lit soft", .renderer = CELLIST_RENDERER_SOFT, .samples = 1},
     {.factor = "light", .name = "lit faces", FACES, .samples = 1},
-    {.factor = "samples", .name = "lit faces table 64^3, 1 sample", FACES, TABLE, .table_size = {64, 64}, .samples = 1},
-    {.factor = "samples",
-     .name = "lit faces table 64^3, 2 samples",
-     FACES,
-     TABLE,
-     .table_size = {64, 64},
-     .samples = 2},
-    {.factor = "samples",
-     .name = "lit faces table 64^3, 3 samples",
-     FACES,
-     TABLE,
-     .table_size = {64, 64},
-     .samples = 3},
-    {.factor = "samples",
-     .name = "lit faces table 64^3, 4 samples",
-     FACES,
-     TABLE,
-     .table_size = {64, 64},
-     .samples = 4},
+    {.factor = "samples", .name = "lit soft, 4 samples", .renderer = CELLIST_RENDERER_SOFT, .samples = 4},
+    {.factor = "samples", .name = "lit faces, 2 samples", FACES, .samples = 2},
+    {.factor = "samples", .name = "lit faces, 3 samples", FACES, .samples = 3},
+    {.factor = "samples", .name = "lit faces, 4 samples", FACES, .samples = 4},
+    {.factor = "integration", .name = "lit faces table 64^3", FACES, TABLE, .table_size = {64, 64}, .samples = 1},
 };
 
 const report_setting *report_setting_at(size_t i) {
@@ -73,7 +60,9 @@ void report_setting_apply(const report_setting *setting, cellist_pipeline_desc *
   optics->integration = setting->integration;
   memcpy(optics->table_size, setting->table_size, sizeof optics->table_size);
   optics->sample_count = setting->samples;
-  if (setting->samples > 0) optics->light = (cellist_light){.enabled = true, .ambient = 0.35, .diffuse = 0.65};
+  if (setting->samples > 0)
+    optics->light =
+        (cellist_light){.enabled = true, .ambient = 0.35, .diffuse = 0.65, .specular = 0.2, .shininess = 20};
 }
 
 const char *report_renderer_name(const report_setting *setting) {

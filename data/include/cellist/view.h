@@ -40,7 +40,11 @@ typedef struct cellist_frame {
   cellist_clip_plane clips[CELLIST_MAX_CLIP_PLANES]; /* scaled: the largest component of a normal is 0.5 to 1 */
 } cellist_frame;
 
-/* The view of cli.md's --orbit: from direction (cos e cos a, cos e sin a, sin e) towards the bounds' centre, up z
+/* From where meshes are seen unless asked otherwise, in degrees. */
+#define CELLIST_VIEW_AZIMUTH 30.96
+#define CELLIST_VIEW_ELEVATION 34.45
+
+/* A view of the whole: from direction (cos e cos a, cos e sin a, sin e) towards the bounds' centre, up z
  * (y where z is the line of sight), distance half the bounds' diagonal / sin 15 degrees, fovy 30 degrees.
  * bounds: lower corner, then upper corner. Threads: any. */
 CELLIST_API cellist_view cellist_view_orbit(const double bounds[6], double azimuth_degrees, double elevation_degrees);

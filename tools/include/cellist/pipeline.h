@@ -163,7 +163,7 @@ CELLIST_API bool cellist_pipeline_budget(const cellist_mesh *mesh, const cellist
                                          cellist_budget *budget);
 
 /* Draws one view.
- * Arrays: view may be NULL: the whole mesh, from azimuth 30.96 and elevation 34.45 degrees. *image is the caller's,
+ * Arrays: view may be NULL: the whole mesh, from CELLIST_VIEW_AZIMUTH and CELLIST_VIEW_ELEVATION. *image is the caller's,
  * with channels R G B A (premultiplied, linear) and Z (depth of the first contribution along the line of sight,
  * infinity where there is none), and camera and settings as attributes. stats may be NULL. Errors: those of
  * cellist_frame_from_view, of the sorter and of the renderer. Threads: the one that created the pipeline. Cost: that of
