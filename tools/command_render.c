@@ -95,35 +95,11 @@ static cellist_result draw_all(cellist_context *context, const struct render_opt
   return cellist_progress(context, "drawing", 1);
 }
 
-/* Loads the mesh to count what its pictures cost, and chooses how to draw it. */
-static cellist_result choose(cellist_context *context, const struct render_options *options, const char *source,
-                             const view_options *camera, cellist_pipeline_desc *desc, cellist_mesh **mesh,
-                             cellist_budget *budget) {
-  cellist_result result = cellist_pipeline_load(context, source, &desc->read, mesh);
-  if (result != CELLIST_SUCCESS) return result;
-  cellist_view view;
-  cellist_frame frame;
-  view_options_resolve(camera, cellist_mesh_get_arrays(*mesh)->bounds, &view);
-  result = cellist_frame_from_view(context, &view, options->size[0], options->size[1], &frame);
-  if (result != CELLIST_SUCCESS) return result;
-  desc->mesh = *mesh;
-  if (cellist_pipeline_budget(*mesh, &frame, options->error, options->time, cellist_context_worker_count(context), desc,
-                              budget))
-    return CELLIST_SUCCESS;
-  if (options->error > 0)
-    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "no setting is closer than %g (%s); --error asks for %g",
-                        budget->error, budget->name, options->error);
-  cellist_log(context, CELLIST_LOG_WARNING, "even the fastest setting (%s) is expected to take %.2g s a frame",
-              budget->name, budget->seconds);
-  return CELLIST_SUCCESS;
-}
-
 /* The same view with everything that the plan leaves out, for its times. */
 static cellist_result draw_without_plan(cellist_context *context, const cellist_pipeline_desc *desc,
-                                        const cellist_mesh *mesh, const struct render_options *options,
-                                        const cellist_view *view, cellist_pipeline_stats *stats) {
+                                        const struct render_options *options, const cellist_view *view,
+                                        cellist_pipeline_stats *stats) {
   cellist_pipeline_desc everything = *desc;
-  everything.mesh = mesh;
   everything.no_plan = true;
   cellist_pipeline *pipeline = NULL;
   cellist_image *image = NULL;
@@ -149,6 +125,8 @@ static cellist_pipeline_desc pipeline_desc(const struct render_options *options,
   desc.width = options->size[0];
   desc.height = options->size[1];
   desc.frames = options->turntable > 0 ? options->turntable : options->frames;
+  desc.error = options->error;
+  desc.seconds = options->time;
   if (options->tets != NULL) desc.tets = (uint32_t)strtoul(options->tets, NULL, 10);
   desc.precision = strcmp(options->precision, "fast") == 0 ? CELLIST_PRECISION_FAST : CELLIST_PRECISION_REFERENCE;
   return desc;
@@ -240,23 +218,24 @@ int command_render(int argc, char **argv) {
   struct tally tally = {calloc(count, sizeof(double)), calloc(count, sizeof(double)), 0};
   cellist_pipeline *pipeline = NULL;
   cellist_pipeline_stats stats = {0};
-  cellist_mesh *mesh = NULL; /* only if it had to be loaded to choose how to draw it */
-  cellist_budget budget = {0};
+  cellist_mesh *mesh = NULL;
   cellist_result result = tally.sort != NULL && tally.draw != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
-  if (result == CELLIST_SUCCESS && (options.error > 0 || options.time > 0))
-    result = choose(context, &options, argv[1], &camera, &desc, &mesh, &budget);
-  if (result == CELLIST_SUCCESS) result = cellist_pipeline_create(context, &desc, &pipeline);
-  if (result == CELLIST_SUCCESS) {
-    view_options_resolve(&camera, cellist_mesh_get_arrays(cellist_pipeline_mesh(pipeline))->bounds, &view);
-    result = draw_all(context, &options, &view, pipeline, &tally, &stats);
+  if (result == CELLIST_SUCCESS) result = cellist_pipeline_load(context, argv[1], &desc.read, &mesh);
+  const double load = clock_seconds() - begin;
+  if (result == CELLIST_SUCCESS) { /* the view needs the mesh, and the pipeline chooses for the view */
+    view_options_resolve(&camera, cellist_mesh_get_arrays(mesh)->bounds, &view);
+    desc.mesh = mesh;
+    desc.view = &view;
+    result = cellist_pipeline_create(context, &desc, &pipeline);
   }
+  if (result == CELLIST_SUCCESS) result = draw_all(context, &options, &view, pipeline, &tally, &stats);
   cellist_pipeline_stats full = {0};
-  if (result == CELLIST_SUCCESS && options.explain)
-    result = draw_without_plan(context, &desc, cellist_pipeline_mesh(pipeline), &options, &view, &full);
+  if (result == CELLIST_SUCCESS && options.explain) result = draw_without_plan(context, &desc, &options, &view, &full);
   int status = 0;
   if (result != CELLIST_SUCCESS) {
     status = terminal_failure(context, result);
   } else {
+    stats.load_seconds += load;
     const struct render_outcome outcome = {.options = &options,
                                            .mesh_name = argv[1],
                                            .pipeline = pipeline,
@@ -264,8 +243,7 @@ int command_render(int argc, char **argv) {
                                            .sort = terminal_median(tally.sort, tally.count),
                                            .draw = terminal_median(tally.draw, tally.count),
                                            .total = clock_seconds() - begin,
-                                           .full = options.explain ? &full : NULL,
-                                           .budget = budget.name != NULL ? &budget : NULL};
+                                           .full = options.explain ? &full : NULL};
     status = options.json ? render_report_json(&outcome) : render_report_text(&outcome);
   }
   free(tally.sort);

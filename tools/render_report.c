@@ -58,10 +58,10 @@ int render_report_json(const struct render_outcome *outcome) {
   json_object_set_new(object, "scalar", terminal_text(cellist_pipeline_scalar(pipeline)->name));
   json_object_set_new(object, "unit_distance", terminal_number(stats->unit_distance));
   json_object_set_new(object, "visible_cells", json_integer((json_int_t)stats->visible_cells));
-  if (outcome->budget != NULL)
+  if (stats->budget.name != NULL)
     json_object_set_new(object, "choice",
-                        json_pack("{s:s, s:f, s:f}", "setting", outcome->budget->name, "expected_error",
-                                  outcome->budget->error, "expected_seconds", outcome->budget->seconds));
+                        json_pack("{s:s, s:f, s:f}", "setting", stats->budget.name, "expected_error",
+                                  stats->budget.error, "expected_seconds", stats->budget.seconds));
   if (outcome->full != NULL) {
     const cellist_pipeline_stats *full = outcome->full;
     json_object_set_new(object, "plan", plan_json(stats));
@@ -116,9 +116,9 @@ int render_report_text(const struct render_outcome *outcome) {
             stats->exterior_reason);
   fprintf(to, "seconds: load %.3f, convexify %.3f, sort %.4f, draw %.4f, total %.3f\n", stats->load_seconds,
           stats->convexify_seconds, outcome->sort, outcome->draw, outcome->total);
-  if (outcome->budget != NULL)
-    fprintf(to, "chosen: %s, expected root mean square error %.1e, expected seconds a frame %.2g\n",
-            outcome->budget->name, outcome->budget->error, outcome->budget->seconds);
+  if (stats->budget.name != NULL)
+    fprintf(to, "chosen: %s, expected root mean square error %.1e, expected seconds a frame %.2g\n", stats->budget.name,
+            stats->budget.error, stats->budget.seconds);
   if (outcome->full != NULL) explain(to, outcome);
   return terminal_finish();
 }

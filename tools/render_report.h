@@ -25,7 +25,6 @@ struct render_outcome {
   cellist_pipeline_stats stats;       /* of the last frame */
   double sort, draw, total;           /* seconds: medians per frame; the whole command */
   const cellist_pipeline_stats *full; /* of the last frame drawn without a plan; NULL unless asked to explain */
-  const cellist_budget *budget;       /* what --error or --time made of it; else NULL */
 };
 
 /* Prints one object on standard output; returns the exit status. */

@@ -264,7 +264,7 @@ case_a_budget_chooses_how_to_draw() {
   expect 0 render sample:torus -o a.exr --time 1e-9 --size 128x128
   says "even the fastest setting"
   grep -q "chosen: " out || fail "the choice is not said"
-  expect 1 render sample:torus -o b.exr --error 1e-15 --size 128x128 && says "--error asks for 1e-15" && one_line
+  expect 1 render sample:torus -o b.exr --error 1e-15 --size 128x128 && says "an error of 1e-15 was asked for" && one_line
   expect 2 render sample:torus -o b.exr --error 1e-3 --time 1
   expect 2 render sample:torus -o b.exr --error 1e-3 --renderer soft
   expect 1 render missing.vtu -o b.exr --time 1 && says missing.vtu && one_line

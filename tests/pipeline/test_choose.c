@@ -51,3 +51,61 @@ TEST(what_only_one_renderer_does_goes_to_it)
   assert_string_equal(chosen("sample:grid:500", asked, reason), "soft");
   assert_string_equal(reason, "asked for");
 }
+
+/* What an error that is asked for makes of a scene. */
+static cellist_budget budget_for(cellist_pipeline_desc desc, const cellist_view *view) {
+  cellist_context *context = harness_context(1);
+  cellist_pipeline *pipeline = NULL;
+  cellist_image *image = NULL;
+  cellist_pipeline_stats stats;
+  desc.source = "sample:grid:5000";
+  desc.view = view;
+  assert_success(context, cellist_pipeline_create(context, &desc, &pipeline));
+  assert_success(context, cellist_pipeline_draw(pipeline, view, 32, 32, &image, &stats));
+  cellist_image_destroy(image);
+  cellist_pipeline_destroy(pipeline);
+  harness_context_destroy(context);
+  return stats.budget;
+}
+
+TEST(a_budget_knows_what_the_scene_asks_for)
+{
+  cellist_pipeline_desc desc = {.width = 32, .height = 32, .error = 1e-4};
+  assert_string_equal(budget_for(desc, NULL).name, "cast fast");
+  /* Narrow peaks are soft's, of the fast ones. */
+  cellist_transfer_knot knots[] = {
+      {0, 0, {1, 1, 1}}, {0.5, 0, {1, 1, 1}}, {0.500001, 5, {1, 0, 0}}, {0.500002, 0, {1, 1, 1}}};
+  const cellist_transfer peak = {sizeof knots / sizeof knots[0], knots};
+  desc.optics.function = &peak;
+  assert_string_equal(budget_for(desc, NULL).name, "soft");
+  desc.optics.function = NULL;
+  /* Samples of light are taken until they do, unless their number is given; one gradient a cell needs none. */
+  desc.optics.model.light =
+      (cellist_light){.enabled = true, .ambient = 0.3, .diffuse = 0.7, .specular = 0.2, .shininess = 20};
+  desc.error = 1.0;
+  assert_string_equal(budget_for(desc, NULL).name, "lit soft");
+  desc.optics.model.sample_count = 4;
+  assert_string_equal(budget_for(desc, NULL).name, "lit soft, 4 samples");
+  desc.optics.model.sample_count = 0;
+  desc.optics.model.light.cell_gradients = true;
+  desc.error = 1e-6;
+  assert_string_equal(budget_for(desc, NULL).name, "lit soft");
+}
+
+TEST(a_budget_counts_what_the_view_shows)
+{
+  const cellist_pipeline_desc desc = {.width = 512, .height = 512, .error = 1e-4};
+  const cellist_view away = {.eye = {5, 5, 5}, .target = {9, 9, 9}, .up = {0, 0, 1}, .fovy_degrees = 30};
+  assert_true(budget_for(desc, &away).seconds < 0.7 * budget_for(desc, NULL).seconds);
+  assert_null(budget_for((cellist_pipeline_desc){.width = 32}, NULL).name);
+}
+
+TEST(an_error_out_of_reach_is_refused)
+{
+  cellist_context *context = harness_context(1);
+  cellist_pipeline *pipeline = NULL;
+  const cellist_pipeline_desc desc = {.source = "sample:grid:500", .error = 1e-15};
+  assert_int_equal(cellist_pipeline_create(context, &desc, &pipeline), CELLIST_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(cellist_context_take_error(context), "no setting is closer"));
+  harness_context_destroy(context);
+}

@@ -19,12 +19,15 @@ static const double SORT_CELL = 8, GAP_FACE = 700, SORT_FACE = 20;
 /* What is counted for if it is not named: pixels along a side, pictures. */
 enum { USUAL_SIZE = 512, MANY = 1000 };
 
-/* Of what can show something in the usual view; nothing if the mesh has no extent to look at. */
-static draw_counts count_usual(const cellist_pipeline *pipeline, uint32_t width, uint32_t height) {
-  const cellist_view view =
+/* Of what can show something in the pictures to come; nothing if the mesh has no extent to look at. */
+static draw_counts count_work(const cellist_pipeline *pipeline) {
+  const cellist_pipeline_desc *desc = &pipeline->desc;
+  const cellist_view usual =
       cellist_view_orbit(cellist_mesh_get_arrays(pipeline->mesh)->bounds, CELLIST_VIEW_AZIMUTH, CELLIST_VIEW_ELEVATION);
   cellist_frame frame;
-  if (cellist_frame_from_view(pipeline->context, &view, width, height, &frame) == CELLIST_SUCCESS)
+  if (cellist_frame_from_view(pipeline->context, desc->view != NULL ? desc->view : &usual,
+                              desc->width > 0 ? desc->width : USUAL_SIZE, desc->height > 0 ? desc->height : USUAL_SIZE,
+                              &frame) == CELLIST_SUCCESS)
     return draw_counts_of(pipeline->mesh, &frame, pipeline->visible);
   cellist_context_take_error(pipeline->context);
   return (draw_counts){0};
@@ -36,44 +39,55 @@ static bool fast_cast_draws(const cellist_pipeline *pipeline) {
          (!optics->light.enabled || optics->model == CELLIST_MODEL_ABSORPTION) && !pipeline_is_narrow(pipeline);
 }
 
-cellist_renderer pipeline_choose(cellist_pipeline *pipeline) {
+/* soft or cast. */
+static void choose_by_work(cellist_pipeline *pipeline, const draw_counts *counts) {
   const cellist_pipeline_desc *desc = &pipeline->desc;
-  if (desc->renderer != CELLIST_RENDERER_AUTO) {
-    snprintf(pipeline->reason, sizeof pipeline->reason, "asked for");
-    return desc->renderer;
-  }
-  /* What only one of them is asked for or can do. */
-#ifdef CELLIST_HAS_GL
-  if (pipeline_is_inexact(pipeline)) {
-    snprintf(pipeline->reason, sizeof pipeline->reason, "psi and tables are OpenGL's");
-    return CELLIST_RENDERER_FACES;
-  }
-#endif
-  if (desc->backend != CELLIST_BACKEND_AUTO && !pipeline_is_narrow(pipeline) && pipeline_has_gpu(pipeline)) {
-    snprintf(pipeline->reason, sizeof pipeline->reason, "this OpenGL is more than software");
-    return CELLIST_RENDERER_FACES;
-  }
-  if (desc->precision == CELLIST_PRECISION_REFERENCE || desc->tets != 0) {
-    snprintf(pipeline->reason, sizeof pipeline->reason, "options of the ray caster were given");
-    return CELLIST_RENDERER_CAST;
-  }
-  if (!fast_cast_draws(pipeline)) {
-    snprintf(pipeline->reason, sizeof pipeline->reason, "the ray caster draws this only in double precision");
-    return CELLIST_RENDERER_SOFT;
-  }
-  const uint32_t width = desc->width > 0 ? desc->width : USUAL_SIZE;
-  const uint32_t height = desc->height > 0 ? desc->height : USUAL_SIZE;
   const bool is_part = pipeline->kept_count < cellist_mesh_get_arrays(pipeline->mesh)->tet_count;
   const double frames = desc->frames > 0 ? desc->frames : MANY;
   const bool sorts = desc->optics.model.model == CELLIST_MODEL_EMISSION_ABSORPTION;
-  const draw_counts counts = count_usual(pipeline, width, height);
   const double face = is_part ? GAP_FACE : fmin(GAP_FACE, SORT_FACE + EXTERIOR_FACE_COST / frames);
-  const double order = SORT_CELL * counts.tets + face * counts.boundary_faces;
-  const double soft = 1e9 * draw_cost_seconds(draw_cost_of(CELLIST_RENDERER_SOFT, CELLIST_PRECISION_FAST), &counts, 1) +
-                      (sorts ? order : 0);
-  const double cast = 1e9 * draw_cost_seconds(draw_cost_of(CELLIST_RENDERER_CAST, CELLIST_PRECISION_FAST), &counts, 1);
+  const double order = sorts ? SORT_CELL * counts->tets + face * counts->boundary_faces : 0;
+  const draw_cost *soft_cost = draw_cost_of(CELLIST_RENDERER_SOFT, CELLIST_PRECISION_FAST);
+  const draw_cost *cast_cost = draw_cost_of(CELLIST_RENDERER_CAST, CELLIST_PRECISION_FAST);
+  const double soft = 1e9 * draw_cost_seconds(soft_cost, counts, 1) + order;
+  const double cast = 1e9 * draw_cost_seconds(cast_cost, counts, 1);
   snprintf(pipeline->reason, sizeof pipeline->reason,
            "counted work, ms a picture: soft %.3g, cast %.3g; %.0f picture%s", 1e-6 * soft, 1e-6 * cast, frames,
            frames > 1 ? "s" : "");
-  return soft < cast ? CELLIST_RENDERER_SOFT : CELLIST_RENDERER_CAST;
+  pipeline->renderer = soft < cast ? CELLIST_RENDERER_SOFT : CELLIST_RENDERER_CAST;
+}
+
+/* What only one of them is asked for or can do; NULL if there is nothing like that. */
+static const char *find_reason(cellist_pipeline *pipeline, cellist_renderer *renderer) {
+  const cellist_pipeline_desc *desc = &pipeline->desc;
+  *renderer = CELLIST_RENDERER_FACES;
+#ifdef CELLIST_HAS_GL
+  if (pipeline_is_inexact(pipeline)) return "psi and tables are OpenGL's";
+#endif
+  if (desc->backend != CELLIST_BACKEND_AUTO && !pipeline_is_narrow(pipeline) && pipeline_has_gpu(pipeline))
+    return "this OpenGL is more than software";
+  *renderer = CELLIST_RENDERER_CAST;
+  if (desc->precision == CELLIST_PRECISION_REFERENCE || desc->tets != 0) return "options of the ray caster were given";
+  *renderer = CELLIST_RENDERER_SOFT;
+  if (!fast_cast_draws(pipeline)) return "the ray caster draws this only in double precision";
+  return NULL;
+}
+
+cellist_result pipeline_choose(cellist_pipeline *pipeline) {
+  const cellist_pipeline_desc *desc = &pipeline->desc;
+  pipeline->renderer = desc->renderer;
+  const char *reason = "asked for";
+  if (desc->renderer == CELLIST_RENDERER_AUTO) {
+    const bool has_budget = desc->error > 0 || desc->seconds > 0;
+    reason = has_budget ? desc->error > 0 ? "cheapest for the error asked for" : "closest in the time asked for"
+                        : find_reason(pipeline, &pipeline->renderer);
+    if (reason == NULL || has_budget) {
+      const draw_counts counts = count_work(pipeline);
+      const cellist_result result = has_budget ? pipeline_choose_budget(pipeline, &counts) : CELLIST_SUCCESS;
+      if (result != CELLIST_SUCCESS) return result;
+      if (!has_budget) choose_by_work(pipeline, &counts);
+    }
+  }
+  if (reason != NULL) snprintf(pipeline->reason, sizeof pipeline->reason, "%s", reason);
+  return CELLIST_SUCCESS;
 }

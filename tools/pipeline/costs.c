@@ -6,14 +6,27 @@
  * seconds differ by a factor that is nearly the same for all, so the cheapest stays the cheapest. */
 #include "costs.h"
 
+#define CAST .renderer = CELLIST_RENDERER_CAST
+#define SOFT .renderer = CELLIST_RENDERER_SOFT
+#define FACES .renderer = CELLIST_RENDERER_FACES
+#define REFERENCE .precision = CELLIST_PRECISION_REFERENCE
+#define EVERY .draws_every_model = true
+#define SHARP .draws_narrow_peaks = true
+#define LIT(count) .is_lit = true, .samples = (count)
+
 static const draw_cost COSTS[] = {
-    {"cast fast", CELLIST_RENDERER_CAST, CELLIST_PRECISION_FAST, false, false, 5e-6, 1e5, 16, 6.8, 42, 137},
-    {"soft", CELLIST_RENDERER_SOFT, CELLIST_PRECISION_FAST, false, true, 5e-7, 1e5, 123, 9.5, 10.5, 0},
-    {"faces", CELLIST_RENDERER_FACES, CELLIST_PRECISION_FAST, false, true, 5e-7, 20e6, 800, 60, 0, 0},
-    {"cast reference", CELLIST_RENDERER_CAST, CELLIST_PRECISION_REFERENCE, false, true, 1e-12, 1e6, 10, 95, 0, 0},
-    {"lit soft", CELLIST_RENDERER_SOFT, CELLIST_PRECISION_FAST, true, true, 1e-4, 1e6, 150, 30, 10.5, 0},
-    {"lit faces", CELLIST_RENDERER_FACES, CELLIST_PRECISION_FAST, true, true, 5e-7, 20e6, 900, 90, 0, 0},
-    {"lit cast reference", CELLIST_RENDERER_CAST, CELLIST_PRECISION_REFERENCE, true, true, 1e-10, 1e6, 10, 300, 0, 0},
+    {"cast fast", CAST, .error = 5e-6, .frame = 1e5, .tet = 16, .fragment = 6.8, .pixel = 42, .boundary_face = 137},
+    {"soft", SOFT, EVERY, SHARP, .error = 5e-7, .frame = 1e5, .tet = 123, .fragment = 9.5, .pixel = 10.5},
+    {"faces", FACES, EVERY, .error = 5e-7, .frame = 5e6, .tet = 1000, .fragment = 26},
+    {"cast reference", CAST, REFERENCE, EVERY, SHARP, .error = 1e-12, .frame = 1e6, .tet = 10, .fragment = 95},
+    {"lit soft", SOFT, EVERY, SHARP, LIT(1), .error = 2e-3, .frame = 1e6, .tet = 150, .fragment = 30, .pixel = 10.5},
+    {"lit soft, 4 samples", SOFT, EVERY, SHARP, LIT(4), .error = 1e-3, .frame = 1e6, .tet = 150, .fragment = 90},
+    {"lit faces", FACES, EVERY, LIT(1), .error = 5e-4, .frame = 7e6, .tet = 1500, .fragment = 80},
+    {"lit faces, 2 samples", FACES, EVERY, LIT(2), .error = 2e-4, .frame = 7e6, .tet = 1500, .fragment = 110},
+    {"lit faces, 3 samples", FACES, EVERY, LIT(3), .error = 1e-4, .frame = 7e6, .tet = 1500, .fragment = 140},
+    {"lit faces, 4 samples", FACES, EVERY, LIT(4), .error = 7e-5, .frame = 7e6, .tet = 1500, .fragment = 170},
+    {"lit cast reference", CAST, REFERENCE, EVERY, SHARP, LIT(0), .error = 1e-10, .frame = 1e6, .tet = 10,
+     .fragment = 300},
 };
 
 /* Of a frame, whatever the number of threads: sorting tiles, merging, reading back. */

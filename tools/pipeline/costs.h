@@ -18,8 +18,11 @@ typedef struct draw_cost {
   const char *name; /* of the setting, as in reports */
   cellist_renderer renderer;
   cellist_precision precision;
-  bool is_lit, draws_every_model; /* not only emission-absorption and absorption */
-  double error;                   /* root mean square: the worst that a report shows on the sound real meshes */
+  bool is_lit;
+  uint32_t samples;        /* of light by gradients at points; 0: none, or exact */
+  bool draws_every_model;  /* not only emission-absorption and absorption */
+  bool draws_narrow_peaks; /* of the transfer function */
+  double error;            /* root mean square: the worst that a report shows on the sound real meshes */
   double frame, tet, fragment, pixel, boundary_face;
 } draw_cost;
 
@@ -32,6 +35,9 @@ size_t plan_count_boundary(const cellist_mesh_arrays *mesh, const uint8_t *keep)
 const draw_cost *draw_costs(size_t *count);
 /* The one of a renderer, without light. */
 const draw_cost *draw_cost_of(cellist_renderer renderer, cellist_precision precision);
+
+/* budget.c: chooses by the error or the seconds that the pipeline's desc asks for. */
+cellist_result pipeline_choose_budget(cellist_pipeline *pipeline, const draw_counts *counts);
 
 /* Seconds of a picture on so many threads. */
 double draw_cost_seconds(const draw_cost *cost, const draw_counts *counts, unsigned threads);

@@ -87,10 +87,8 @@ cellist_result cellist_pipeline_create(cellist_context *context, const cellist_p
   if (result == CELLIST_SUCCESS) result = pipeline_keep_model(created);
   if (result == CELLIST_SUCCESS) result = pipeline_make_surface(created);
   if (result == CELLIST_SUCCESS) result = pipeline_look(created);
-  if (result == CELLIST_SUCCESS) {
-    created->renderer = pipeline_choose(created);
-    result = pipeline_plan(created);
-  }
+  if (result == CELLIST_SUCCESS) result = pipeline_choose(created);
+  if (result == CELLIST_SUCCESS) result = pipeline_plan(created);
   if (result == CELLIST_SUCCESS) warn_of_method(created);
   if (result == CELLIST_SUCCESS) result = make_renderer(created);
   created->prepare_seconds = clock_seconds() - loaded;
@@ -166,6 +164,7 @@ cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_v
   cellist_image *created = NULL;
   cellist_pipeline_stats made = {.pixels = "32f",
                                  .renderer_reason = pipeline->reason,
+                                 .budget = pipeline->budget,
                                  .load_seconds = pipeline->load_seconds,
                                  .prepare_seconds = pipeline->prepare_seconds,
                                  .transfer_knots = pipeline->transfer.knot_count,

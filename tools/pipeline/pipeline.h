@@ -30,6 +30,7 @@ struct cellist_pipeline {
   cellist_pipeline_desc desc; /* its texts are not kept */
   cellist_renderer renderer;  /* never AUTO */
   char reason[96];            /* why it was chosen */
+  cellist_budget budget;      /* what was made of desc's error or seconds */
   cellist_isosurface *isos;   /* the pipeline's copy, which desc refers to */
   double unit_distance;
   double load_seconds, prepare_seconds;
@@ -53,8 +54,8 @@ struct cellist_pipeline {
 /* The length of the bounds' diagonal. */
 double pipeline_diagonal(const cellist_pipeline *pipeline);
 
-/* choose.c: the renderer that the pipeline was asked for, or the one that suits the scene; says why. */
-cellist_renderer pipeline_choose(cellist_pipeline *pipeline);
+/* choose.c: sets the renderer that the pipeline was asked for, or the one that suits the scene; says why. */
+cellist_result pipeline_choose(cellist_pipeline *pipeline);
 /* Opens an OpenGL context, and keeps it if something faster than software draws there. */
 bool pipeline_has_gpu(cellist_pipeline *pipeline);
 

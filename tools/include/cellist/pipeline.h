@@ -82,8 +82,14 @@ typedef struct cellist_pipeline_desc {
   cellist_mesh_read_desc read;
   cellist_pipeline_optics optics;
   cellist_renderer renderer;
-  uint32_t width, height, frames;  /* size and number of the pictures to come, which AUTO chooses a renderer for; 0:
-                                      512 and many */
+  uint32_t width, height, frames; /* size and number of the pictures to come, which AUTO chooses a renderer for; 0:
+                                     512 and many */
+  const cellist_view *view;       /* of these pictures, likewise; NULL: the usual one. Read during the call only */
+  /* For AUTO, one of them above 0: the cheapest way to draw whose root mean square error is expected to be at most
+   * this, or else the closest whose frame is expected to take at most so many seconds on the context's threads. Sets
+   * precision, framebuffer, integration and, where it is 0, optics.model.sample_count. By counts and constants, so that
+   * it repeats. No way so close is an error (UNSUPPORTED), none so fast a warning. */
+  double error, seconds;
   cellist_order_desc order;        /* what cells are sorted with, where an exact order is needed */
   cellist_backend backend;         /* for faces and fan */
   cellist_framebuffer framebuffer; /* for faces and fan; maximum intensity is always drawn in floats */
@@ -104,6 +110,13 @@ typedef struct cellist_left_out {
 
 enum { CELLIST_LEFT_OUT_LIMIT = 12 };
 
+/* What a way to draw is expected to need. */
+typedef struct cellist_budget {
+  const char *name; /* the setting's, as in reports; belongs to the library; NULL: nothing was asked for */
+  double error;     /* root mean square: the worst that a report over real meshes shows */
+  double seconds;   /* a frame, without sorting, on the machine that was measured */
+} cellist_budget;
+
 /* Seconds and facts of the last picture. Texts belong to the library. */
 typedef struct cellist_pipeline_stats {
   double load_seconds;                     /* once: read, adjacency, Hilbert order */
@@ -112,6 +125,7 @@ typedef struct cellist_pipeline_stats {
   double sort_seconds, draw_seconds;       /* of the last picture */
   const char *renderer, *method, *backend; /* what was used; backend is "none" without OpenGL */
   const char *renderer_reason;             /* why this renderer; belongs to the pipeline */
+  cellist_budget budget;                   /* what an error or seconds asked for made of it */
   const char *pixels;                      /* "32f", "16f" or "8": what was blended in */
   const char *precision;                   /* "fast" (single precision) or "reference" */
   double error_bound;                      /* proved, of reference; infinity where none is known */
@@ -146,26 +160,10 @@ CELLIST_API const cellist_scalar *cellist_pipeline_scalar(const cellist_pipeline
  * Threads: any. Cost: that of 20,000 tets at most. */
 CELLIST_API double cellist_pipeline_estimate_fragments(const cellist_mesh *mesh, const cellist_frame *frame);
 
-/* What a setting is expected to need. */
-typedef struct cellist_budget {
-  const char *name; /* the setting's, as in reports; belongs to the library */
-  double error;     /* root mean square: the worst that a report over real meshes shows */
-  double seconds;   /* a frame, without sorting, on the machine that was measured */
-} cellist_budget;
-
-/* Chooses how to draw a mesh in a frame: sets renderer, precision, integration and framebuffer of desc, whose optics
- * must stand. error above 0: the cheapest setting that is expected to err by that at most; else the closest of those
- * that are expected to take at most so many seconds on so many threads. Returns false if there is none; desc and
- * budget then have the closest, or the fastest. By counts and constants, so that it repeats.
- * Threads: any. Cost: that of cellist_pipeline_estimate_fragments. */
-CELLIST_API bool cellist_pipeline_budget(const cellist_mesh *mesh, const cellist_frame *frame, double error,
-                                         double seconds, unsigned threads, cellist_pipeline_desc *desc,
-                                         cellist_budget *budget);
-
 /* Draws one view.
- * Arrays: view may be NULL: the whole mesh, from CELLIST_VIEW_AZIMUTH and CELLIST_VIEW_ELEVATION. *image is the caller's,
- * with channels R G B A (premultiplied, linear) and Z (depth of the first contribution along the line of sight,
- * infinity where there is none), and camera and settings as attributes. stats may be NULL. Errors: those of
+ * Arrays: view may be NULL: the whole mesh, from CELLIST_VIEW_AZIMUTH and CELLIST_VIEW_ELEVATION. *image is the
+ * caller's, with channels R G B A (premultiplied, linear) and Z (depth of the first contribution along the line of
+ * sight, infinity where there is none), and camera and settings as attributes. stats may be NULL. Errors: those of
  * cellist_frame_from_view, of the sorter and of the renderer. Threads: the one that created the pipeline. Cost: that of
  * sorting and drawing. */
 CELLIST_API cellist_result cellist_pipeline_draw(cellist_pipeline *pipeline, const cellist_view *view, uint32_t width,
