@@ -219,9 +219,6 @@ static cellist_result check_arguments(cellist_gl *gl, const cellist_frame *frame
                         settings->optics.sample_count);
   if ((unsigned)settings->method > CELLIST_GL_FAN)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no method has the number %d", (int)settings->method);
-  if (settings->method == CELLIST_GL_FAN && light->enabled && !light->cell_gradients)
-    return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED,
-                        "fans are lit by one gradient a cell only; faces by gradients at points too");
   if ((unsigned)settings->framebuffer > CELLIST_FRAMEBUFFER_8)
     return cellist_fail(context, CELLIST_ERROR_INVALID_ARGUMENT, "no framebuffer has the number %d",
                         (int)settings->framebuffer);
@@ -229,6 +226,11 @@ static cellist_result check_arguments(cellist_gl *gl, const cellist_frame *frame
 }
 
 enum { GL_CHUNK_GROUPS = 1024 }; /* small groups of a chunk, at most */
+
+/* Fans have no gradients at points: what is lit by them is left to faces. */
+static bool draws_fans(const gl_drawing *drawing) {
+  return drawing->settings->method == CELLIST_GL_FAN && drawing->cells.light.gradients == NULL;
+}
 
 /* Draws order[begin..end) with the small groups in it. */
 static cellist_result draw_range(gl_drawing *drawing, const uint32_t *order, size_t begin, size_t end,
@@ -244,7 +246,7 @@ static cellist_result draw_range(gl_drawing *drawing, const uint32_t *order, siz
       }
       inside[used] = (cellist_gl_group){groups[used].begin - begin, groups[used].count};
     }
-    const gl_stage stage = drawing->settings->method == CELLIST_GL_FAN ? GL_STAGE_FAN : GL_STAGE_BLEND;
+    const gl_stage stage = draws_fans(drawing) ? GL_STAGE_FAN : GL_STAGE_BLEND;
     cellist_result result = gl_batch_send(drawing, stage, order + begin, to - begin, inside, used, &pieces);
     if (result == CELLIST_SUCCESS) result = gl_batch_draw(drawing, pieces, stage);
     if (result == CELLIST_SUCCESS)
@@ -437,6 +439,8 @@ cellist_result cellist_gl_render(cellist_gl *gl, const cellist_frame *frame, con
     gl_cells_release(&drawing.cells);
   }
   gl_intervals_release(context, &drawing.intervals);
+  if (settings->method == CELLIST_GL_FAN && light.gradients != NULL)
+    drawing.stats.left_count = drawing.stats.cell_count;
   if (result == CELLIST_SUCCESS && stats != NULL) *stats = drawing.stats;
   return result;
 }

@@ -27,14 +27,20 @@ static cellist_light point_light(double specular) {
   return light;
 }
 
-/* Ambient and diffuse light are exact along a segment, also where the diffuse part changes sign. */
-TEST(diffuse_light_by_gradients_at_points_matches_the_reference)
-{
+/* Ambient and diffuse light are exact along a segment, also where the diffuse part changes sign. Cells lit so are drawn
+ * as faces where fans are asked for. */
+static void check_diffuse_light(cellist_gl_method method) {
   for (int model = CELLIST_MODEL_EMISSION_ABSORPTION; model <= CELLIST_MODEL_EMISSION; model += 2) {
-    const cellist_gl_settings settings = {.optics = {.model = (cellist_model)model, .light = point_light(0)}};
+    const cellist_gl_settings settings = {.optics = {.model = (cellist_model)model, .light = point_light(0)},
+                                          .method = method};
     check_model(&settings, 2e-5);
   }
 }
+
+TEST(diffuse_light_by_gradients_at_points_matches_the_reference)
+{ check_diffuse_light(CELLIST_GL_FACES); }
+TEST(fans_lit_by_gradients_at_points_match_the_reference)
+{ check_diffuse_light(CELLIST_GL_FAN); }
 
 TEST(isosurfaces_lit_by_gradients_at_points_match_the_reference)
 {

@@ -58,8 +58,8 @@ CELLIST_API cellist_result cellist_gl_upload(cellist_gl *gl, const cellist_mesh 
 typedef enum cellist_gl_method {
   CELLIST_GL_FACES, /* on each pixel by the planes of the cell's faces: exact to rounding */
   CELLIST_GL_FAN    /* as fans of triangles around the thick vertex (Shirley and Tuchman), in perspective: up to 1/256
-                       pixel off where OpenGL moves corners. Cells with a corner beside or behind the eye, and those in
-                       groups, are drawn as faces. No light by gradients at points */
+                       pixel off where OpenGL moves corners. Cells with a corner beside or behind the eye, those in groups,
+                       and all that are lit by gradients at points are drawn as faces */
 } cellist_gl_method;
 
 /* {0} is the default: emission and absorption, floats. Every model is drawn, lit by one gradient a cell or by gradients
@@ -91,8 +91,8 @@ typedef struct cellist_gl_stats {
  *   contribution begins and the last one ends (infinity and 0 where there is none). settings and stats may be NULL.
  * Errors: INVALID_ARGUMENT (nothing uploaded, a tet that does not exist, an image of another size, a transfer function
  *   without knots, out of order or not finite, an isosurface's opacity or a number of samples out of range, groups
- *   beyond the order or out of order), UNSUPPORTED (a size beyond this OpenGL's, lists below 4.3, fans lit by
- *   gradients at points), GRAPHICS, OUT_OF_MEMORY.
+ *   beyond the order or out of order), UNSUPPORTED (a size beyond this OpenGL's, lists below 4.3),
+ *   GRAPHICS, OUT_OF_MEMORY.
  * Threads: one call per renderer at a time; the context's workers prepare the cells, the picture does not depend on
  *   their number.
  * Cost: linear in cells and fragments. */
