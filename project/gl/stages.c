@@ -80,6 +80,7 @@ static void set_uniforms(const gl_drawing *drawing, gl_integrator integrator, GL
   for (size_t i = 0; i < sizeof samplers / sizeof samplers[0]; i++)
     api->Uniform1i(api->GetUniformLocation(program, samplers[i].name), samplers[i].unit);
   api->Uniform1f(api->GetUniformLocation(program, "near_distance"), (float)drawing->cells.frame.near_distance);
+  api->Uniform1f(api->GetUniformLocation(program, "subpixel"), (float)drawing->gl->subpixel);
   api->Uniform2f(api->GetUniformLocation(program, "centre"), 0.5f * (float)frame->width, 0.5f * (float)frame->height);
   api->Uniform2f(api->GetUniformLocation(program, "slope"), (float)(2 * frame->half_width / frame->width),
                  (float)(2 * frame->half_height / frame->height));

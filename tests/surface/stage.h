@@ -14,8 +14,9 @@
 
 #include "harness.h"
 
-enum { BY_REFERENCE, BY_FAST, BY_SOFT, BY_SOFT_PORTABLE, BY_FACES, RENDERER_COUNT };
-static const char *const RENDERER_NAMES[] = {"reference", "fast", "soft", "soft portable", "faces"};
+/* BY_FAN is beyond the exact ones, which RENDERER_COUNT counts. */
+enum { BY_REFERENCE, BY_FAST, BY_SOFT, BY_SOFT_PORTABLE, BY_FACES, RENDERER_COUNT, BY_FAN = RENDERER_COUNT };
+static const char *const RENDERER_NAMES[] = {"reference", "fast", "soft", "soft portable", "faces", "fan"};
 static const char *const CHANNELS[] = {"R", "G", "B", "A", "Z", "ZBack"};
 enum { CHANNEL_COUNT = 6 };
 
@@ -103,15 +104,18 @@ static inline cellist_image *stage_draw_with(stage *made, int renderer, const ce
       groups[i] = (cellist_soft_group){sorted[i].begin, sorted[i].count};
       gl_groups[i] = (cellist_gl_group){sorted[i].begin, sorted[i].count};
     }
-    const cellist_gl_settings gl_settings = {
-        .optics = *optics, .groups = gl_groups, .group_count = group_count, .surface = surface};
+    const cellist_gl_settings gl_settings = {.optics = *optics,
+                                             .groups = gl_groups,
+                                             .group_count = group_count,
+                                             .surface = surface,
+                                             .method = renderer == BY_FAN ? CELLIST_GL_FAN : CELLIST_GL_FACES};
     const cellist_soft_settings settings = {.optics = *optics,
                                             .order = made->order,
                                             .order_count = count,
                                             .groups = groups,
                                             .group_count = group_count,
                                             .surface = surface};
-    if (renderer == BY_FACES)
+    if (renderer == BY_FACES || renderer == BY_FAN)
       result = cellist_gl_render(made->gl, frame, &made->transfer, made->order, count, &gl_settings, image, NULL);
     else
       result = cellist_soft_render(made->soft[renderer - BY_SOFT], frame, &made->transfer, &settings, image, NULL);

@@ -4,6 +4,7 @@ in vec4 between;    // scalar / depth, 1 / depth at the front, at the back; para
 in float thickness; // difference of 1 / depth; parallel: of depth
 #ifdef WITH_LIMITS
 uniform sampler2D limits;    // near and far limit of each pixel's ray: 1 / depth (parallel: depth)
+uniform float subpixel;      // pixels by which corners may be moved
 #elif !defined(PLAIN)        // no fan lies at the near plane
 uniform float near_distance;
 #endif
@@ -39,6 +40,15 @@ bool meet_here(out segment met) {
   float begin = clamp((kept.x - from) * inverse, 0.0, 1.0);
   float end = clamp((kept.y - from) * inverse, 0.0, 1.0);
   inside = inside && begin < end;
+#ifdef WITH_LIMITS
+  // Where a corner is moved its depth moves along, and a cell just behind a surface seems to begin before it.
+#ifdef PARALLEL
+  float doubt = subpixel * fwidth(between.y);
+#else
+  float doubt = subpixel * fwidth(between.y) * front_depth * front_depth;
+#endif
+  inside = inside && from + doubt < kept.y;
+#endif
   float change = met.back - met.front;
   met.back = met.front + end * change;
   met.front = met.front + begin * change;
