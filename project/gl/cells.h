@@ -90,8 +90,9 @@ typedef struct gl_run {
 
 /* What some records have beside them; written only where a record has faces seen edge-on or back faces alone, or lies
  * in a small group. lines: for each of three faces that is seen edge-on, the line of its picture: constant, change per
- * pixel in x and y from the image's centre, above 0 on the cell's side. The two cells that share the face have the same
- * numbers but for their sign, so that one of them owns a pixel on the line. */
+ * pixel in x and y from the image's centre, above 0 on the cell's side; and how much of that is in doubt, above 0 (0:
+ * no line). The two cells that share the face have the same numbers but for their sign, so that one of them owns a
+ * pixel on the line. */
 typedef struct gl_extra {
   float lines[3][4];
   float first_record, member_count; /* of the small group */

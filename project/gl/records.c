@@ -9,6 +9,8 @@
 /* What an exact sign leaves of a number that rounding made 0 or of the other sign: its size does not matter, as the
  * face is seen edge-on to the last digit. 0 itself would make a back face's cell infinitely long. */
 static const double TINY_COORDINATE = 1e-12;
+/* What single precision makes of 0 at a pixel of a line, whose numbers are at most 1 there: three roundings each. */
+static const double LINE_ROUNDING = 4e-7;
 /* In 1 / depth (parallel: depth) and units, what is as good as infinitely far towards the eye; its square and what it
  * is multiplied with fit a float. */
 static const double FAR_OFF = 1e18;
@@ -208,7 +210,8 @@ static bool find_line(const gl_cells *cells, uint32_t tet, unsigned face, bool i
     v[k] = p[2][k] - p[0][k];
   }
   cross(n, u, v);
-  if (!is_exact && (wild || !(distance_from_line(p, n, cells->frame.parallel) < GL_THIN_FACE))) return false;
+  const double thickness = distance_from_line(p, n, cells->frame.parallel);
+  if (!is_exact && (wild || !(thickness < GL_THIN_FACE))) return false;
   if (cells->frame.parallel) n[2] = -(n[0] * p[0][0] + n[1] * p[0][1]);
   const double size =
       fmax(fmax(fabs(n[0]) * cells->picture.half_width, fabs(n[1]) * cells->picture.half_height), fabs(n[2]));
@@ -216,7 +219,7 @@ static bool find_line(const gl_cells *cells, uint32_t tet, unsigned face, bool i
   line[0] = (float)(n[2] * scale);
   line[1] = (float)(n[0] * scale);
   line[2] = (float)(n[1] * scale);
-  line[3] = 1;
+  line[3] = (float)(LINE_ROUNDING + fmin(thickness, GL_THIN_FACE) * hypot(n[0], n[1]) * fabs(scale));
   return true;
 }
 

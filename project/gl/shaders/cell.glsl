@@ -37,11 +37,13 @@ float along(vec3 field, float growth, vec2 offset, float t, float scale) {
 }
 
 #ifndef PLAIN
-// Whether a pixel lies on the cell's side of a face seen edge-on. On the line itself the pixel counts as moved by an
-// infinitesimal to the right, and by a smaller one upwards: so one of the cells at a face owns it, and of those at an
-// edge too.
+// Whether a pixel lies on the cell's side of a face seen edge-on. Where that is within what line.w leaves in doubt, the
+// pixel counts as moved to the right and a little upwards, for all such faces by the same: so one of the cells at a face
+// owns it, and of all those at an edge that is seen as a point too, of which each line has an error of its own.
 bool owns(vec4 line, vec2 pixel) {
   precise float at = line.x + line.y * (pixel.x - centre.x) + line.z * (pixel.y - centre.y);
+  precise float aside = (line.y + 0.381 * line.z) * max(1.0 / 512.0, 1.0e-5 * max(centre.x, centre.y));
+  if (abs(at) <= line.w) at += aside;
   return (at != 0.0 ? at : line.y != 0.0 ? line.y : line.z) > 0.0;
 }
 #endif
