@@ -98,16 +98,23 @@ static inline void f8_transpose(const float *const row[8], f8 out[8]) {
     out[4 * half + 3] = _mm256_shuffle_ps(t[1], t[3], 0xee);
   }
 }
-/* out[i] = {a, b, c, d} of lane i. */
-static inline void f8_to_rows(f8 a, f8 b, f8 c, f8 d, float out[8][4]) {
-  const f8 ab = _mm256_unpacklo_ps(a, b), ab2 = _mm256_unpackhi_ps(a, b);
-  const f8 cd = _mm256_unpacklo_ps(c, d), cd2 = _mm256_unpackhi_ps(c, d);
-  const f8 row[4] = {_mm256_shuffle_ps(ab, cd, 0x44), _mm256_shuffle_ps(ab, cd, 0xee),
+/* out[i] = {sum[0..3], most[0], most[1], any, any} of lane i. */
+static inline void f8_to_rows(const f8 sum[4], const f8 most[2], f8 out[8]) {
+  const f8 ab = _mm256_unpacklo_ps(sum[0], sum[1]), ab2 = _mm256_unpackhi_ps(sum[0], sum[1]);
+  const f8 cd = _mm256_unpacklo_ps(sum[2], sum[3]), cd2 = _mm256_unpackhi_ps(sum[2], sum[3]);
+  const f8 ef = _mm256_unpacklo_ps(most[0], most[1]), ef2 = _mm256_unpackhi_ps(most[0], most[1]);
+  const f8 low[4] = {_mm256_shuffle_ps(ab, cd, 0x44), _mm256_shuffle_ps(ab, cd, 0xee),
                      _mm256_shuffle_ps(ab2, cd2, 0x44), _mm256_shuffle_ps(ab2, cd2, 0xee)};
+  const f8 high[4] = {ef, _mm256_shuffle_ps(ef, ef, 0xee), ef2, _mm256_shuffle_ps(ef2, ef2, 0xee)};
   for (int i = 0; i < 4; i++) {
-    _mm_storeu_ps(out[i], _mm256_castps256_ps128(row[i]));
-    _mm_storeu_ps(out[i + 4], _mm256_extractf128_ps(row[i], 1));
+    out[i] = _mm256_permute2f128_ps(low[i], high[i], 0x20);
+    out[i + 4] = _mm256_permute2f128_ps(low[i], high[i], 0x31);
   }
+}
+/* The first four of a row are added to, times scale, the others grow to the row's. */
+static inline f8 f8_gather(f8 gathered, f8 row, float scale) {
+  const f8 sum = _mm256_fmadd_ps(row, _mm256_set1_ps(scale), gathered);
+  return _mm256_blend_ps(sum, _mm256_max_ps(row, gathered), 0xf0);
 }
 
 /* a, b, c, d of lane i = row[i]: the other way round. */
@@ -138,7 +145,6 @@ static inline void f8_transpose_half(const float *const row[8], f8 out[4]) {
 static inline f4 f4_load(const float *p) { return _mm_loadu_ps(p); }
 static inline void f4_store(float *p, f4 a) { _mm_storeu_ps(p, a); }
 static inline f4 f4_max(f4 a, f4 b) { return _mm_max_ps(a, b); }
-static inline f4 f4_add_scaled(f4 a, f4 b, float scale) { return _mm_add_ps(a, _mm_mul_ps(b, _mm_set1_ps(scale))); }
 
 static inline d4 d4_all(double a) { return _mm256_set1_pd(a); }
 static inline d4 d4_load(const double *p) { return _mm256_loadu_pd(p); }
@@ -275,13 +281,17 @@ static inline void f8_transpose(const float *const row[8], f8 out[8]) {
   for (int j = 0; j < 8; j++)
     for (int i = 0; i < 8; i++) out[j].v[i] = row[i][j];
 }
-static inline void f8_to_rows(f8 a, f8 b, f8 c, f8 d, float out[8][4]) {
-  for (int i = 0; i < 8; i++) {
-    out[i][0] = a.v[i];
-    out[i][1] = b.v[i];
-    out[i][2] = c.v[i];
-    out[i][3] = d.v[i];
-  }
+static inline void f8_to_rows(const f8 sum[4], const f8 most[2], f8 out[8]) {
+  for (int i = 0; i < 8; i++)
+    for (int k = 0; k < 8; k++) out[i].v[k] = k < 4 ? sum[k].v[i] : most[k & 1].v[i];
+}
+static inline f8 f8_gather(f8 gathered, f8 row, float scale) {
+  for (int k = 0; k < 8; k++)
+    if (k < 4)
+      gathered.v[k] += row.v[k] * scale;
+    else
+      gathered.v[k] = row.v[k] > gathered.v[k] ? row.v[k] : gathered.v[k];
+  return gathered;
 }
 static inline void f8_from_rows(float (*row)[4], f8 out[4]) {
   for (int j = 0; j < 4; j++)
@@ -297,7 +307,6 @@ static inline void f4_store(float *p, f4 a) {
   for (int i = 0; i < 4; i++) p[i] = a.v[i];
 }
 static inline f4 f4_max(f4 a, f4 b) { LANES_EACH(f4, 4, a.v[i] > b.v[i] ? a.v[i] : b.v[i]); }
-static inline f4 f4_add_scaled(f4 a, f4 b, float scale) { LANES_EACH(f4, 4, a.v[i] + b.v[i] * scale); }
 
 static inline d4 d4_all(double a) { LANES_EACH(d4, 4, a); }
 static inline d4 d4_load(const double *p) { LANES_EACH(d4, 4, p[i]); }

@@ -22,33 +22,23 @@ static inline int attribute_count(const soft_scene *scene) {
   return scene->model.gradients == SOFT_NO_LIGHT ? 0 : scene->model.gradients == SOFT_CELL_GRADIENTS ? 2 : 8;
 }
 
-/* Adds eight pieces to what their pixels have gathered. rows: colour and minus the opacity of each; in thin scenes the
- * opacity itself. */
-static inline void blend_rows(const soft_scene *scene, soft_worker *worker, float rows[8][4], const int32_t *pixel,
-                              int count) {
-  float(*pixels)[4] = worker->pixels;
+/* Adds eight pieces to what their pixels have gathered. light: colour and minus the opacity of each; in thin scenes the
+ * opacity itself. depth: minus where it begins, and where it ends. */
+static inline void blend_pieces(const soft_scene *scene, soft_worker *worker, const f8 light[4], const f8 depth[2],
+                                const int32_t *pixel, int count) {
+  f8 rows[8];
+  f8_to_rows(light, depth, rows);
+  soft_pixel *pixels = worker->pixels;
   if (scene->is_thin)
     for (int i = 0; i < count; i++) {
-      float *to = pixels[pixel[i]];
-      f4_store(to, f4_add_scaled(f4_load(to), f4_load(rows[i]), 1 - to[3]));
+      float *to = pixels[pixel[i]].light;
+      f8_store(to, f8_gather(f8_load(to), rows[i], 1 - to[3]));
     }
   else
     for (int i = 0; i < count; i++) {
-      float *to = pixels[pixel[i]];
-      f4_store(to, f4_add_scaled(f4_load(to), f4_load(rows[i]), to[3]));
+      float *to = pixels[pixel[i]].light;
+      f8_store(to, f8_gather(f8_load(to), rows[i], to[3]));
     }
-}
-
-static inline void blend_depths(soft_worker *worker, const soft_pieces *pieces, size_t first, f8 gained, int count) {
-  float gain[8];
-  f8_store(gain, gained);
-  for (int i = 0; i < count; i++) {
-    if (!(gain[i] > 0)) continue;
-    const int32_t pixel = pieces->pixel[first + (size_t)i];
-    const float begin = pieces->depth[0][first + (size_t)i], end = pieces->depth[1][first + (size_t)i];
-    worker->z[pixel] = begin < worker->z[pixel] ? begin : worker->z[pixel];
-    worker->z_back[pixel] = end > worker->z_back[pixel] ? end : worker->z_back[pixel];
-  }
 }
 
 /* Multiplies what pieces shine with by the light that falls on them, and adds highlights. */
@@ -80,10 +70,12 @@ static inline void shade_eight(const soft_scene *scene, soft_worker *worker, siz
     fast_gain8_of(scene->transfer, &band, from, to, length, &gain);
   if (scene->model.gradients != SOFT_NO_LIGHT) light_eight(scene, pieces, first, &gain);
   const f8 alpha = is_emission ? f8_all(0) : scene->is_thin ? gain.alpha : f8_sub(f8_all(0), gain.alpha);
-  float rows[8][4];
-  f8_to_rows(gain.colour[0], gain.colour[1], gain.colour[2], alpha, rows);
-  blend_rows(scene, worker, rows, pieces->pixel + first, count);
-  if (scene->wants_depth) blend_depths(worker, pieces, first, gain.alpha, count);
+  const f8 light[4] = {gain.colour[0], gain.colour[1], gain.colour[2], alpha};
+  const f8 zero = f8_all(0), minus_begin = f8_sub(zero, f8_load(pieces->depth[0] + first));
+  const m8 gains = f8_greater(gain.alpha, zero);
+  const f8 depth[2] = {f8_select(gains, minus_begin, f8_all(-HUGE_VALF)),
+                       f8_select(gains, f8_load(pieces->depth[1] + first), zero)};
+  blend_pieces(scene, worker, light, depth, pieces->pixel + first, count);
 }
 
 /* Shades all pieces, or all but the last few that do not fill a vector. */
@@ -124,11 +116,9 @@ static inline void append_pieces(const soft_scene *scene, soft_worker *worker, c
   f8_store_packed(pieces->length + at, f8_mul(segment->length, length), packing);
   i8_store_packed(pieces->interval + at, interval, packing);
   i8_store_packed(pieces->pixel + at, segment->pixel, packing);
-  if (scene->wants_depth) {
-    const f8 extent = f8_sub(segment->far_depth, segment->near_depth);
-    f8_store_packed(pieces->depth[0] + at, f8_fma(begin, extent, segment->near_depth), packing);
-    f8_store_packed(pieces->depth[1] + at, f8_fma(end, extent, segment->near_depth), packing);
-  }
+  const f8 extent = f8_sub(segment->far_depth, segment->near_depth);
+  f8_store_packed(pieces->depth[0] + at, f8_fma(begin, extent, segment->near_depth), packing);
+  f8_store_packed(pieces->depth[1] + at, f8_fma(end, extent, segment->near_depth), packing);
   if (scene->model.gradients != SOFT_NO_LIGHT) {
     const bool at_points = scene->model.gradients == SOFT_POINT_GRADIENTS;
     for (int k = 0; k < (at_points ? 6 : 2); k++)

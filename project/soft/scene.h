@@ -75,7 +75,6 @@ typedef struct soft_scene {
   soft_sharp sharp;
   soft_model model;
   float *colour[3], *alpha, *z, *z_back; /* the image's planes; NULL: not wanted */
-  bool wants_depth;
   bool is_thin; /* no ray is deeper than SOFT_THIN: pixels gather opacity in place of transmittance */
 } soft_scene;
 
@@ -121,9 +120,16 @@ typedef struct soft_pieces {
   size_t count;
   float from[SOFT_PIECES], to[SOFT_PIECES], length[SOFT_PIECES];
   int32_t interval[SOFT_PIECES], pixel[SOFT_PIECES];
-  float depth[2][SOFT_PIECES];                   /* where it begins and ends, if depths are wanted */
+  float depth[2][SOFT_PIECES];                   /* where it begins and ends */
   float attribute[SOFT_ATTRIBUTES][SOFT_PIECES]; /* of light: see pieces.h */
 } soft_pieces;
+
+/* What a pixel has gathered so far: a vector of eight. */
+typedef struct soft_pixel {
+  float light[4];        /* premultiplied colour and transmittance; in thin scenes opacity */
+  float minus_z, z_back; /* depths of the first contribution and of the last one: both grow */
+  float unused[2];
+} soft_pixel;
 
 /* One worker's own memory. */
 typedef struct soft_worker {
@@ -132,8 +138,7 @@ typedef struct soft_worker {
   uint64_t *keys, *scratch_keys; /* [sort_capacity] */
   uint32_t *values, *scratch_values;
   size_t sort_capacity;
-  float (*pixels)[4]; /* [SOFT_TILE_PIXELS] colour gathered so far, and transmittance; in thin scenes opacity */
-  float *z, *z_back;  /* [SOFT_TILE_PIXELS] */
+  soft_pixel *pixels; /* [SOFT_TILE_PIXELS] */
   float (*last)[2];   /* [SOFT_TILE_PIXELS] scalar and depth where the ray left the cell before: for isosurfaces */
   /* [SOFT_TILE_PIXELS + 8] places (1/depth, in parallel views -depth) between which each ray is seen, far below near;
    * only where the scene has a frame. Eight more, since vectors are loaded whole. */

@@ -67,15 +67,12 @@ static cellist_result create_workers(cellist_soft *soft) {
   for (unsigned i = 0; i < soft->worker_count; i++) {
     soft_worker *worker = &soft->workers[i];
     worker->pixels = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->pixels);
-    worker->z = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z);
-    worker->z_back = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->z_back);
     worker->last = cellist_allocate(soft->context, SOFT_TILE_PIXELS, sizeof *worker->last);
     worker->near_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->near_place);
     worker->far_place = cellist_allocate_zeroed(soft->context, SOFT_TILE_PIXELS + 8, sizeof *worker->far_place);
     worker->pieces = cellist_allocate_zeroed(soft->context, 1, sizeof *worker->pieces);
-    if (worker->pixels == NULL || worker->z == NULL || worker->z_back == NULL || worker->near_place == NULL ||
-        worker->far_place == NULL || worker->pieces == NULL || worker->last == NULL ||
-        !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
+    if (worker->pixels == NULL || worker->near_place == NULL || worker->far_place == NULL || worker->pieces == NULL ||
+        worker->last == NULL || !soft_fragments_reserve(soft->context, &worker->fragments, FIRST_FRAGMENTS))
       return CELLIST_ERROR_OUT_OF_MEMORY;
   }
   return CELLIST_SUCCESS;
@@ -127,8 +124,6 @@ void cellist_soft_destroy(cellist_soft *soft) {
     cellist_deallocate(context, worker->pieces);
     cellist_deallocate(context, worker->last);
     cellist_deallocate(context, worker->pixels);
-    cellist_deallocate(context, worker->z);
-    cellist_deallocate(context, worker->z_back);
     cellist_deallocate(context, worker->near_place);
     cellist_deallocate(context, worker->far_place);
   }
@@ -192,7 +187,6 @@ static soft_scene scene_of(const cellist_soft *soft, const cellist_frame *frame,
                       .z_back = cellist_image_channel(image, "ZBack")};
   scene.across = -half_width + 0.5 * scene.across_step;
   scene.upward = half_height + 0.5 * scene.upward_step;
-  scene.wants_depth = scene.z != NULL || scene.z_back != NULL;
   static const char *const colour[3] = {"R", "G", "B"};
   for (int k = 0; k < 3; k++) scene.colour[k] = cellist_image_channel(image, colour[k]);
   return scene;

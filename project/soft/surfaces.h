@@ -28,12 +28,14 @@ static inline void add_maxima(soft_worker *worker, const segment8 *segment, cons
   i8_store(pixel, segment->pixel);
   for (int i = 0; i < 8 && lanes >> i != 0; i++)
     for (int k = 0; k < 2; k++) {
-      float *largest = worker->pixels[pixel[i]];
+      soft_pixel *gathered = &worker->pixels[pixel[i]];
+      float *largest = gathered->light;
       const double value = ends != NULL && !isnan(ends[i][0]) ? ends[i][k] : (double)end[k][i];
       if (!(value > (double)largest[0] + (double)largest[1])) continue;
       largest[0] = (float)value;
       largest[1] = (float)(value - (double)largest[0]);
-      worker->z[pixel[i]] = worker->z_back[pixel[i]] = depth[k][i];
+      gathered->z_back = depth[k][i];
+      gathered->minus_z = -depth[k][i];
     }
 }
 
@@ -66,20 +68,20 @@ static inline void light_surface(const soft_model *model, const surface_lanes *l
 
 static inline void add_crossings(const soft_model *model, soft_worker *worker, const surface_lanes *lanes, int i,
                                  float from, float to) {
-  const int32_t pixel = lanes->pixel[i];
-  float *gathered = worker->pixels[pixel];
+  soft_pixel *pixel = &worker->pixels[lanes->pixel[i]];
+  float *light = pixel->light;
   for (size_t j = 0; j < model->iso_count; j++) {
     const soft_iso *iso = &model->isos[from < to ? j : model->iso_count - 1 - j];
     if ((from < iso->value) == (to < iso->value)) continue;
     const float w = (iso->value - from) / (to - from), depth = lanes->near[i] + w * (lanes->far[i] - lanes->near[i]);
     float share, shine;
     light_surface(model, lanes, i, w, &share, &shine);
-    const float seen = gathered[3] * iso->opacity;
-    for (int k = 0; k < 3; k++) gathered[k] += seen * (iso->colour[k] * share + shine);
-    gathered[3] -= seen;
+    const float seen = light[3] * iso->opacity;
+    for (int k = 0; k < 3; k++) light[k] += seen * (iso->colour[k] * share + shine);
+    light[3] -= seen;
     if (!(iso->opacity > 0)) continue;
-    worker->z[pixel] = depth < worker->z[pixel] ? depth : worker->z[pixel];
-    worker->z_back[pixel] = depth > worker->z_back[pixel] ? depth : worker->z_back[pixel];
+    pixel->minus_z = -depth > pixel->minus_z ? -depth : pixel->minus_z;
+    pixel->z_back = depth > pixel->z_back ? depth : pixel->z_back;
   }
 }
 
@@ -101,7 +103,7 @@ static void add_isosurfaces(const soft_scene *scene, soft_worker *worker, const 
     last[0] = lanes.to[i];
     last[1] = lanes.far[i];
     /* What hides all has no light left to add. */
-    if (worker->pixels[lanes.pixel[i]][3] > 0) add_crossings(&scene->model, worker, &lanes, i, from, lanes.to[i]);
+    if (worker->pixels[lanes.pixel[i]].light[3] > 0) add_crossings(&scene->model, worker, &lanes, i, from, lanes.to[i]);
   }
 }
 

@@ -51,11 +51,11 @@ static inline __attribute__((always_inline)) void pass_planes(const f8 across[4]
   }
 }
 
-/* Adds those of eight pixels that are covered to the list. */
+/* Adds those of eight pixels that are covered to the list. Without asking whether there are any: nobody could predict
+ * it, and in small cells that costs more than stores in vain. */
 static inline __attribute__((always_inline)) void put_covered(f8 leaves, f8 enters, unsigned inside, i8 where,
                                                               int32_t index, soft_fragments *fragments) {
   const unsigned covered = m8_bits(f8_greater(enters, leaves)) & inside;
-  if (covered == 0) return;
   const size_t at = fragments->count;
   const i8 packing = lanes_packing(covered);
   f8_store_packed(fragments->near_end + at, enters, packing);
@@ -329,9 +329,9 @@ static bool is_opaque(const soft_scene *scene, const soft_worker *worker) {
   const m8 none = m8_from_bits(0);
   m8 clear = none;
   const f8 limit = f8_all(scene->transfer->opaque);
-  const float *p = &worker->pixels[0][0];
-  for (size_t i = 0; i < 4 * SOFT_TILE_PIXELS; i += 8) clear = m8_or(clear, f8_greater(f8_load(p + i), limit));
-  return (m8_bits(clear) & 0x88) == 0;
+  for (size_t i = 0; i < SOFT_TILE_PIXELS; i++)
+    clear = m8_or(clear, f8_greater(f8_load(worker->pixels[i].light), limit));
+  return (m8_bits(clear) & 1 << 3) == 0;
 }
 
 /* The part of a cell's rectangle that lies in the tile. */
@@ -442,14 +442,39 @@ static inline void colour_maximum(const soft_scene *scene, const float largest[2
   for (int k = 0; k < 3; k++) colour[k] = in->colour[k] + in->colour_slope[k] * above;
 }
 
+/* A tile within the image, with nothing behind it: eight pixels at a time. */
+static void store_whole_tile(const soft_scene *scene, const soft_worker *worker, uint32_t left, uint32_t top) {
+  float *const plane[6] = {scene->colour[0], scene->colour[1], scene->colour[2], scene->alpha, scene->z, scene->z_back};
+  const f8 unit = f8_all((float)scene->unit);
+  for (uint32_t y = 0; y < SOFT_TILE; y++)
+    for (uint32_t x = 0; x < SOFT_TILE; x += 8) {
+      const float *row[8];
+      f8 column[8];
+      for (uint32_t i = 0; i < 8; i++) row[i] = worker->pixels[y * SOFT_TILE + x + i].light;
+      f8_transpose(row, column);
+      if (!scene->is_thin) column[3] = f8_sub(f8_all(1), column[3]);
+      column[4] = f8_mul(f8_sub(f8_all(0), column[4]), unit);
+      column[5] = f8_mul(column[5], unit);
+      for (int k = 0; k < 6; k++)
+        if (plane[k] != NULL) f8_store(plane[k] + (size_t)(top + y) * scene->width + left + x, column[k]);
+    }
+}
+
 static void store_tile(const soft_scene *scene, const soft_worker *worker, uint32_t left, uint32_t top) {
+  const bool is_whole = left + SOFT_TILE <= scene->width && top + SOFT_TILE <= scene->height;
+  const bool is_extreme = !(scene->unit > 1e-30 && scene->unit < 1e30); /* floats do not hold it, or not its products */
+  if (is_whole && scene->layer.depth == NULL && scene->model.model != CELLIST_MODEL_MAXIMUM && !is_extreme) {
+    store_whole_tile(scene, worker, left, top);
+    return;
+  }
   for (uint32_t y = top; y < scene->height && y < top + SOFT_TILE; y++)
     for (uint32_t x = left; x < scene->width && x < left + SOFT_TILE; x++) {
       const size_t from = (size_t)(y - top) * SOFT_TILE + (x - left), to = (size_t)y * scene->width + x;
-      float colour[3], alpha = scene->is_thin ? worker->pixels[from][3] : 1 - worker->pixels[from][3];
-      float z = (float)(worker->z[from] * scene->unit), z_back = (float)(worker->z_back[from] * scene->unit);
-      for (int k = 0; k < 3; k++) colour[k] = worker->pixels[from][k];
-      if (scene->model.model == CELLIST_MODEL_MAXIMUM) colour_maximum(scene, worker->pixels[from], colour, &alpha);
+      const soft_pixel *pixel = &worker->pixels[from];
+      float colour[3], alpha = scene->is_thin ? pixel->light[3] : 1 - pixel->light[3];
+      float z = (float)(-pixel->minus_z * scene->unit), z_back = (float)(pixel->z_back * scene->unit);
+      for (int k = 0; k < 3; k++) colour[k] = pixel->light[k];
+      if (scene->model.model == CELLIST_MODEL_MAXIMUM) colour_maximum(scene, pixel->light, colour, &alpha);
       surface_layer_put_behind(&scene->layer, to, colour, &alpha, &z, &z_back);
       for (int k = 0; k < 3; k++)
         if (scene->colour[k] != NULL) scene->colour[k][to] = colour[k];
@@ -483,12 +508,10 @@ static void set_limits(const soft_scene *scene, soft_worker *worker, uint32_t le
 static bool draw_tile(const soft_scene *scene, soft_worker *worker, size_t tile) {
   const uint32_t left = (uint32_t)(tile % scene->tiles_across) * SOFT_TILE;
   const uint32_t top = (uint32_t)(tile / scene->tiles_across) * SOFT_TILE;
+  const float first = scene->model.model == CELLIST_MODEL_MAXIMUM ? -HUGE_VALF : 0;
   for (size_t i = 0; i < SOFT_TILE_PIXELS; i++) {
-    const float first = scene->model.model == CELLIST_MODEL_MAXIMUM ? -HUGE_VALF : 0;
-    memcpy(worker->pixels[i], (const float[4]){first, 0, 0, scene->is_thin ? 0 : 1}, sizeof worker->pixels[i]);
+    worker->pixels[i] = (soft_pixel){.light = {first, 0, 0, scene->is_thin ? 0 : 1}, .minus_z = -HUGE_VALF};
     worker->last[i][0] = worker->last[i][1] = -HUGE_VALF;
-    worker->z[i] = HUGE_VALF;
-    worker->z_back[i] = 0;
   }
   worker->fragments.count = worker->fragments.record_count = 0;
   if (scene->frame != NULL) set_limits(scene, worker, left, top);
