@@ -99,8 +99,8 @@ static inline void fast_add_interval8(const fast_interval8 *in, __m256 from, __m
     fast_add_piece8(in, from, to, a, b, light);
 }
 
-/* Loads the intervals of in->index: eight records, transposed. */
-static inline void fast_load_intervals8(const fast_transfer *transfer, fast_interval8 *in) {
+/* Eight records, transposed. */
+static inline void fast_gather_intervals8(const fast_transfer *transfer, fast_interval8 *in) {
   uint32_t index[8];
   _mm256_storeu_si256((__m256i *)index, in->index);
   __m256 row[8], pair[8], quad[8];
@@ -132,17 +132,45 @@ static inline void fast_load_intervals8(const fast_transfer *transfer, fast_inte
   in->colour_slope[2] = _mm256_loadu_ps(slope[1]);
 }
 
+/* Loads the intervals of in->index. */
+static inline void fast_load_intervals8(const fast_transfer *transfer, fast_interval8 *in) {
+  if (!transfer->is_small) {
+    fast_gather_intervals8(transfer, in);
+    return;
+  }
+  __m256 field[FAST_FIELDS];
+  for (int k = 0; k < FAST_FIELDS; k++)
+    field[k] = _mm256_permutevar8x32_ps(_mm256_loadu_ps(transfer->small[k]), in->index);
+  in->low = field[0];
+  in->high = field[1];
+  in->extinction = field[2];
+  in->extinction_slope = field[3];
+  for (int k = 0; k < 3; k++) {
+    in->colour[k] = field[4 + k];
+    in->colour_slope[k] = field[7 + k];
+  }
+}
+
 /* Sets the intervals anew where a lane's scalar is not inside, or constant at the lower end of its interval (at a step
  * the part below holds). */
 static inline void fast_seek_intervals8(const fast_transfer *transfer, __m256 s, __m256 lanes, fast_interval8 *in) {
-  float place[8];
-  uint32_t index[8];
-  _mm256_storeu_ps(place, s);
-  _mm256_storeu_si256((__m256i *)index, in->index);
-  const int mask = _mm256_movemask_ps(lanes);
-  for (int i = 0; i < 8; i++)
-    if (mask >> i & 1) index[i] = fast_find_interval(transfer, place[i]);
-  in->index = _mm256_loadu_si256((const __m256i *)index);
+  if (transfer->is_small) {
+    __m256i found = _mm256_setzero_si256(); /* a comparison that holds is -1 */
+    for (uint32_t k = 1; k < transfer->interval_count; k++) {
+      const __m256 above = _mm256_cmp_ps(s, _mm256_broadcast_ss(&transfer->small[0][k]), _CMP_GT_OQ);
+      found = _mm256_sub_epi32(found, _mm256_castps_si256(above));
+    }
+    in->index = _mm256_blendv_epi8(in->index, found, _mm256_castps_si256(lanes));
+  } else {
+    float place[8];
+    uint32_t index[8];
+    _mm256_storeu_ps(place, s);
+    _mm256_storeu_si256((__m256i *)index, in->index);
+    const int mask = _mm256_movemask_ps(lanes);
+    for (int i = 0; i < 8; i++)
+      if (mask >> i & 1) index[i] = fast_find_interval(transfer, place[i]);
+    in->index = _mm256_loadu_si256((const __m256i *)index);
+  }
   fast_load_intervals8(transfer, in);
 }
 
@@ -158,7 +186,7 @@ static inline void fast_add_segment8(const fast_transfer *transfer, fast_interva
       _mm256_and_ps(_mm256_cmp_ps(from, to, _CMP_EQ_OQ), _mm256_cmp_ps(from, in->low, _CMP_LE_OQ)), lanes);
   if (fast_any(at_step)) fast_seek_intervals8(transfer, from, at_step, in);
   const __m256i step = _mm256_set1_epi32(1);
-  for (;;) {
+  for (bool is_first = true;; is_first = false) {
     const __m256 above = _mm256_cmp_ps(to, in->high, _CMP_GT_OQ), below = _mm256_cmp_ps(to, in->low, _CMP_LT_OQ);
     const __m256 beyond = _mm256_and_ps(_mm256_or_ps(above, below), lanes);
     const bool is_last = !fast_any(beyond);
@@ -173,8 +201,8 @@ static inline void fast_add_segment8(const fast_transfer *transfer, fast_interva
     fast_add_interval8(in, from, end, part, opaque, light);
     if (seen != NULL) {
       const __m256 gained = _mm256_cmp_ps(light->transmittance, before, _CMP_LT_OQ), one = _mm256_set1_ps(1);
-      const __m256 begin = _mm256_sub_ps(one, _mm256_div_ps(length, whole));
-      const __m256 finish = _mm256_sub_ps(one, _mm256_div_ps(_mm256_sub_ps(length, part), whole));
+      const __m256 begin = is_first ? _mm256_setzero_ps() : _mm256_sub_ps(one, _mm256_div_ps(length, whole));
+      const __m256 finish = is_last ? one : _mm256_sub_ps(one, _mm256_div_ps(_mm256_sub_ps(length, part), whole));
       seen[0] = fast_select(gained, _mm256_min_ps(seen[0], begin), seen[0]);
       seen[1] = fast_select(gained, finish, seen[1]);
     }

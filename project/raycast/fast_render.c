@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Fast render: the public call's `fast` precision. Rays that rounding lost (stats->retry_count) are cast by
  * `reference`, one by one: they are few, and whatever made them hard is decided exactly there. */
+#include <string.h>
+
 #include "fast.h"
 #include "outputs.h"
 
@@ -23,8 +25,47 @@ static void put_layer_behind(const surface_layer *layer, size_t at, shade_pixel 
   pixel->z_back = layer->depth[at];
 }
 
-static void store_tile(void *user, const fast_scene *scene, const fast_tile *tile) {
-  const struct picture *picture = user;
+/* A pixel's values as floats, in the order of picture->planes. */
+enum { PLANES = 9 };
+
+static const float NOTHING[PLANES] = {0, 0, 0, 0, INFINITY, 0, 1, 0, 0};
+
+static void values_of(const fast_scene *scene, const fast_pixel *pixel, float value[PLANES]) {
+  const fast_light *light = &pixel->light;
+  const bool is_seen = pixel->z_back >= pixel->z;
+  value[0] = light->colour[0];
+  value[1] = light->colour[1];
+  value[2] = light->colour[2];
+  value[3] = light->alpha < 1 ? light->alpha : 1;
+  value[4] = is_seen ? (float)(scene->unit * pixel->z + scene->depth_offset) : INFINITY;
+  value[5] = is_seen ? (float)(scene->unit * pixel->z_back + scene->depth_offset) : 0;
+  value[6] = light->transmittance > 0 ? light->transmittance : 0;
+  value[7] = (float)pixel->cell_count;
+  value[8] = (float)pixel->piece_count;
+}
+
+/* To an image alone, with nothing behind what is drawn. */
+static void store_planes(const struct picture *picture, const fast_scene *scene, const fast_tile *tile) {
+  const pixel_outputs *outputs = &picture->outputs;
+  float *const planes[PLANES] = {outputs->colour[0],     outputs->colour[1], outputs->colour[2],
+                                 outputs->alpha,         outputs->z,         outputs->z_back,
+                                 outputs->transmittance, outputs->cells,     outputs->segments};
+  float value[PLANES][FAST_TILE]; /* of a row; of all rows where the tile is empty */
+  for (uint32_t y = 0; y < tile->height; y++) {
+    const size_t row = (size_t)(tile->top + y) * scene->width + tile->left;
+    for (uint32_t x = 0; x < tile->width && (y == 0 || tile->entry_count > 0); x++) {
+      const uint32_t at = y * FAST_TILE + x;
+      float found[PLANES];
+      if (tile->first[at] != CELLIST_NONE) values_of(scene, &tile->pixels[at], found);
+      const float *from = tile->first[at] != CELLIST_NONE ? found : NOTHING;
+      for (int k = 0; k < PLANES; k++) value[k][x] = from[k];
+    }
+    for (int k = 0; k < PLANES; k++)
+      if (planes[k] != NULL) memcpy(planes[k] + row, value[k], tile->width * sizeof *planes[k]);
+  }
+}
+
+static void store_all(const struct picture *picture, const fast_scene *scene, const fast_tile *tile) {
   for (uint32_t y = 0; y < tile->height; y++)
     for (uint32_t x = 0; x < tile->width; x++) {
       const uint32_t at = y * FAST_TILE + x;
@@ -46,6 +87,17 @@ static void store_tile(void *user, const fast_scene *scene, const fast_tile *til
       put_layer_behind(&picture->layer, pixel_at, &stored);
       outputs_store(&picture->outputs, pixel_at, &stored, cell_count);
     }
+}
+
+static void store_tile(void *user, const fast_scene *scene, const fast_tile *tile) {
+  const struct picture *picture = user;
+  const cellist_raycast_output *arrays = &picture->outputs.arrays;
+  const bool has_arrays = arrays->rgba != NULL || arrays->transmittance != NULL || arrays->z != NULL ||
+                          arrays->z_back != NULL || arrays->cell_count != NULL || arrays->segment_count != NULL;
+  if (has_arrays || picture->layer.depth != NULL)
+    store_all(picture, scene, tile);
+  else
+    store_planes(picture, scene, tile);
 }
 
 /* With the surface cast. */

@@ -51,16 +51,17 @@ static inline void put_id(__m256i *vector, __m256 mask, uint32_t value) {
   *vector = _mm256_blendv_epi8(*vector, _mm256_set1_epi32((int)value), _mm256_castps_si256(mask));
 }
 
-static inline float lane_of(__m256 vector, int lane) {
-  float values[LANES];
-  _mm256_storeu_ps(values, vector);
-  return values[lane];
+/* Read where they are: groups stay in memory. */
+static inline float lane_of(const __m256 *vector, int lane) {
+  float value;
+  memcpy(&value, (const char *)vector + (size_t)lane * sizeof value, sizeof value);
+  return value;
 }
 
-static inline uint32_t lane_id_of(__m256i vector, int lane) {
-  uint32_t values[LANES];
-  _mm256_storeu_si256((__m256i *)values, vector);
-  return values[lane];
+static inline uint32_t lane_id_of(const __m256i *vector, int lane) {
+  uint32_t value;
+  memcpy(&value, (const char *)vector + (size_t)lane * sizeof value, sizeof value);
+  return value;
 }
 
 /* Sets a lane to where its ray enters a boundary face. Returns false if the face has no say in it. */
@@ -99,23 +100,13 @@ static bool enter(const fast_scene *scene, const fast_tile *tile, struct group *
     put_id(&group->piece_count, mask, 0);
     group->folded[lane] = false;
   } else {
-    const float reached = lane_of(group->z, lane);
+    const float reached = lane_of(&group->z, lane);
     if (stand.now.z < reached - FAST_FOLD_TOLERANCE * (1 + fabsf(reached))) group->folded[lane] = true;
   }
   put(&group->z, mask, stand.now.z);
   put(&group->s, mask, stand.now.s);
-  fast_interval8 *in = &group->interval;
   const uint32_t index = isnan(stand.now.s) ? 0 : fast_find_interval(&scene->transfer, stand.now.s);
-  const fast_interval *record = &scene->transfer.intervals[index];
-  put_id(&in->index, mask, index);
-  put(&in->low, mask, record->low);
-  put(&in->high, mask, record->high);
-  put(&in->extinction, mask, record->extinction);
-  put(&in->extinction_slope, mask, record->extinction_slope);
-  for (int k = 0; k < 3; k++) {
-    put(&in->colour[k], mask, record->colour[k]);
-    put(&in->colour_slope[k], mask, record->colour_slope[k]);
-  }
+  put_id(&group->interval.index, mask, index); /* the rest of it is loaded for all lanes that enter */
   group->active = _mm256_or_ps(group->active, mask);
   return true;
 }
@@ -143,13 +134,13 @@ static void take_next(struct queue *queue, struct group *group, int lane) {
 
 static void finish(struct queue *queue, struct group *group, int lane) {
   fast_pixel *pixel = &queue->tile->pixels[group->pixel[lane]];
-  for (int k = 0; k < 3; k++) pixel->light.colour[k] = lane_of(group->light.colour[k], lane);
-  pixel->light.transmittance = lane_of(group->light.transmittance, lane);
-  pixel->light.alpha = lane_of(group->light.alpha, lane);
-  pixel->z = lane_of(group->first_z, lane);
-  pixel->z_back = lane_of(group->last_z, lane);
-  pixel->cell_count = lane_id_of(group->cell_count, lane);
-  pixel->piece_count = lane_id_of(group->piece_count, lane);
+  for (int k = 0; k < 3; k++) pixel->light.colour[k] = lane_of(&group->light.colour[k], lane);
+  pixel->light.transmittance = lane_of(&group->light.transmittance, lane);
+  pixel->light.alpha = lane_of(&group->light.alpha, lane);
+  pixel->z = lane_of(&group->first_z, lane);
+  pixel->z_back = lane_of(&group->last_z, lane);
+  pixel->cell_count = lane_id_of(&group->cell_count, lane);
+  pixel->piece_count = lane_id_of(&group->piece_count, lane);
   queue->tile->fold_ray_count += group->folded[lane];
 }
 
@@ -158,7 +149,7 @@ static void end_chain(struct queue *queue, struct group *group, int lane, bool i
   fast_tile *tile = queue->tile;
   if (!is_lost) {
     const uint32_t next = tile->entries[group->entry[lane]].next;
-    if (next == CELLIST_NONE || lane_of(group->light.transmittance, lane) < queue->scene->transfer.opaque ||
+    if (next == CELLIST_NONE || lane_of(&group->light.transmittance, lane) < queue->scene->transfer.opaque ||
         (queue->scene->clips && tile->entries[next].z >= tile->far[group->pixel[lane]])) {
       finish(queue, group, lane);
       take_next(queue, group, lane);
@@ -448,8 +439,8 @@ static inline void walk_tile(const fast_scene *scene, fast_tile *tile, fast_layo
   struct queue queue = {scene, tile, 0};
   for (int g = 0; g < GROUPS; g++) {
     for (int k = 0; k < 3; k++) groups[g].w[k] = _mm256_set1_ps(1);
-    fast_load_intervals8(&scene->transfer, &groups[g].interval);
     for (int lane = 0; lane < LANES; lane++) take_next(&queue, &groups[g], lane);
+    fast_load_intervals8(&scene->transfer, &groups[g].interval);
   }
   uint64_t steps = 0;
   for (;;) {
@@ -461,10 +452,12 @@ static inline void walk_tile(const fast_scene *scene, fast_tile *tile, fast_layo
       steps += (unsigned)__builtin_popcount((unsigned)active);
       int lost;
       int ended = step(scene, layout, &groups[g], &lost);
+      if (ended == 0) continue;
       for (; ended != 0; ended &= ended - 1) {
         const int lane = __builtin_ctz((unsigned)ended);
         end_chain(&queue, &groups[g], lane, lost >> lane & 1);
       }
+      fast_load_intervals8(&scene->transfer, &groups[g].interval);
     }
     if (busy == 0) break;
   }
