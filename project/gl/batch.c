@@ -36,16 +36,21 @@ static cellist_result make_pieces(cellist_gl *gl, bool as_fans, size_t count, co
 }
 
 /* Room for so many bytes, to be written; NULL if there is none. */
-static void *map_buffer(const gl_api *api, GLenum target, GLuint buffer, size_t bytes) {
-  api->BindBuffer(target, buffer);
-  api->BufferData(target, (GLsizeiptr)bytes, NULL, GL_STREAM_DRAW);
-  return api->MapBufferRange(target, 0, (GLsizeiptr)bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+static void *map_stream(const gl_api *api, GLenum target, gl_stream *stream, size_t bytes) {
+  api->BindBuffer(target, stream->buffer);
+  if (stream->bytes < bytes) api->BufferData(target, (GLsizeiptr)bytes, NULL, GL_STREAM_DRAW);
+  void *mapped = api->MapBufferRange(target, 0, (GLsizeiptr)bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+  if (mapped == NULL)
+    stream->bytes = 0;
+  else if (stream->bytes < bytes)
+    stream->bytes = bytes;
+  return mapped;
 }
 
 /* Whether the buffer was mapped and has kept what was written. */
-static bool unmap_buffer(const gl_api *api, GLenum target, GLuint buffer, const void *mapped) {
+static bool unmap_stream(const gl_api *api, GLenum target, const gl_stream *stream, const void *mapped) {
   if (mapped == NULL) return false;
-  api->BindBuffer(target, buffer);
+  api->BindBuffer(target, stream->buffer);
   return api->UnmapBuffer(target);
 }
 
@@ -57,23 +62,22 @@ cellist_result gl_batch_send(gl_drawing *drawing, gl_stage stage, const uint32_t
   const bool fans = stage == GL_STAGE_FAN;
   cellist_result result = make_pieces(gl, fans, count, groups, group_count, piece_count);
   if (result != CELLIST_SUCCESS) return result;
-  gl_cells_output output = {
-      .records = map_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, count * sizeof *output.records),
-      .extras = gl->extras,
-      .corners =
-          map_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, count * 3 * GL_CELLS_TRIANGLES * sizeof *output.corners),
-      .runs = gl->runs};
-  if (lit) output.lights = map_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, count * sizeof *output.lights);
+  gl_cells_output output = {.records = map_stream(api, GL_TEXTURE_BUFFER, &gl->records, count * sizeof *output.records),
+                            .extras = gl->extras,
+                            .corners = map_stream(api, GL_ARRAY_BUFFER, &gl->corners,
+                                                  count * 3 * GL_CELLS_TRIANGLES * sizeof *output.corners),
+                            .runs = gl->runs};
+  if (lit) output.lights = map_stream(api, GL_TEXTURE_BUFFER, &gl->lights, count * sizeof *output.lights);
   if (fans)
     output.fan_corners =
-        map_buffer(api, GL_ARRAY_BUFFER, gl->fan_buffer, count * 3 * GL_FAN_TRIANGLES * sizeof *output.fan_corners);
+        map_stream(api, GL_ARRAY_BUFFER, &gl->fan_corners, count * 3 * GL_FAN_TRIANGLES * sizeof *output.fan_corners);
   if (output.records != NULL && output.corners != NULL && lit == (output.lights != NULL) &&
       fans == (output.fan_corners != NULL))
     gl_cells_prepare(&drawing->cells, order, gl->pieces, *piece_count, &output);
-  bool kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->record_buffer, output.records);
-  kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->corner_buffer, output.corners) && kept;
-  if (lit) kept = unmap_buffer(api, GL_TEXTURE_BUFFER, gl->light_buffer, output.lights) && kept;
-  if (fans) kept = unmap_buffer(api, GL_ARRAY_BUFFER, gl->fan_buffer, output.fan_corners) && kept;
+  bool kept = unmap_stream(api, GL_TEXTURE_BUFFER, &gl->records, output.records);
+  kept = unmap_stream(api, GL_ARRAY_BUFFER, &gl->corners, output.corners) && kept;
+  if (lit) kept = unmap_stream(api, GL_TEXTURE_BUFFER, &gl->lights, output.lights) && kept;
+  if (fans) kept = unmap_stream(api, GL_ARRAY_BUFFER, &gl->fan_corners, output.fan_corners) && kept;
   if (!kept) return cellist_fail(gl->context, CELLIST_ERROR_OUT_OF_MEMORY, "OpenGL has no buffer for %zu cells", count);
   bool with_extras = false; /* hardly ever */
   for (size_t i = 0; i < *piece_count; i++) {

@@ -228,8 +228,9 @@ static int write_fan(const gl_cells *cells, const struct cell *cell, float recor
   return gl_fan_of_tet(&cells->picture, cell->corner, cell->shown.scalars, cell->sides, record_id, out);
 }
 
-/* As THICK in exact.glsl, less what rounding may add. */
-static const float THICK = 0.4999f;
+/* Optical depth that exact.glsl takes in one step, less what rounding may add; and with STEPS: each further step costs
+ * what one costs, while cells that need more take what is made for any depth. */
+static const float ONE_STEP = 0.9998f, FEW_STEPS = 16;
 
 static float min_of(float a, float b) { return a < b ? a : b; }
 static float max_of(float a, float b) { return a > b ? a : b; }
@@ -245,7 +246,8 @@ static gl_need need_of(const gl_cells *cells, const gl_shown *shown, float longe
                       gl_intervals_extinction(cells->intervals, shown->last, high));
   if (shown->first < shown->last)
     most = max_of(most, gl_intervals_extinction(cells->intervals, shown->last, low)); /* the knot's */
-  return most * longest <= THICK ? GL_NEED_LITTLE : GL_NEED_DEPTH;
+  const float depth = most * longest;
+  return depth <= ONE_STEP ? GL_NEED_LITTLE : depth <= FEW_STEPS ? GL_NEED_STEPS : GL_NEED_DEPTH;
 }
 
 static gl_need need_of_cell(const gl_cells *cells, const struct cell *cell, bool has_extra) {

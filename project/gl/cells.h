@@ -63,7 +63,8 @@ typedef struct gl_cells {
 
 /* What cells ask of the program that draws them: less is faster. */
 typedef enum gl_need {
-  GL_NEED_LITTLE,  /* two intervals of the transfer function at most, no segment deeper than THICK in exact.glsl */
+  GL_NEED_LITTLE,  /* two intervals of the transfer function at most, no segment deeper than 1 (exact.glsl) */
+  GL_NEED_STEPS,   /* two intervals, no segment deeper than a few */
   GL_NEED_DEPTH,   /* any intervals and depths */
   GL_NEED_ANYTHING /* and an extra, a wild corner or one before the near plane */
 } gl_need;

@@ -60,21 +60,21 @@ static cellist_result set_up(cellist_gl *gl) {
   gl->subpixel = ldexp(1, -subpixel_bits);
 
   api->GenQueries(1, &gl->query);
-  make_texture_buffer(gl, &gl->record_buffer, &gl->record_texture);
+  make_texture_buffer(gl, &gl->records.buffer, &gl->record_texture);
   make_texture_buffer(gl, &gl->extra_buffer, &gl->extra_texture);
   make_texture_buffer(gl, &gl->interval_buffer, &gl->interval_texture);
-  make_texture_buffer(gl, &gl->light_buffer, &gl->light_texture);
+  make_texture_buffer(gl, &gl->lights.buffer, &gl->light_texture);
   api->GenVertexArrays(1, &gl->no_vertices);
   api->GenVertexArrays(1, &gl->vertices);
   api->BindVertexArray(gl->vertices);
-  api->GenBuffers(1, &gl->corner_buffer);
-  api->BindBuffer(GL_ARRAY_BUFFER, gl->corner_buffer);
+  api->GenBuffers(1, &gl->corners.buffer);
+  api->BindBuffer(GL_ARRAY_BUFFER, gl->corners.buffer);
   api->EnableVertexAttribArray(0);
   api->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
   api->GenVertexArrays(1, &gl->fan_vertices);
   api->BindVertexArray(gl->fan_vertices);
-  api->GenBuffers(1, &gl->fan_buffer);
-  api->BindBuffer(GL_ARRAY_BUFFER, gl->fan_buffer);
+  api->GenBuffers(1, &gl->fan_corners.buffer);
+  api->BindBuffer(GL_ARRAY_BUFFER, gl->fan_corners.buffer);
   static const struct {
     GLint size;
     size_t offset;
@@ -113,7 +113,7 @@ cellist_result cellist_gl_create(cellist_context *context, const cellist_gl_desc
 /* Only with the context current, and only if set_up came as far as loading the table. */
 static void release_objects(cellist_gl *gl) {
   const gl_api *api = &gl->api;
-  gl_target_release(api, &gl->target);
+  gl_target_release(gl->context, api, &gl->target);
   gl_limits_release(api, &gl->limits);
   gl_surface_release(api, &gl->surface);
   gl_tables_release(gl->context, api, &gl->tables);
@@ -122,8 +122,8 @@ static void release_objects(cellist_gl *gl) {
   for (size_t i = 0; i < sizeof gl->programs / sizeof *programs; i++)
     if (programs[i].name != 0) api->DeleteProgram(programs[i].name);
   const GLuint textures[] = {gl->record_texture, gl->extra_texture, gl->interval_texture, gl->light_texture};
-  const GLuint buffers[] = {gl->record_buffer, gl->extra_buffer, gl->interval_buffer, gl->light_buffer,
-                            gl->corner_buffer};
+  const GLuint buffers[] = {gl->records.buffer, gl->extra_buffer,   gl->interval_buffer,
+                            gl->lights.buffer,  gl->corners.buffer, gl->fan_corners.buffer};
   const GLuint arrays[] = {gl->vertices, gl->fan_vertices, gl->no_vertices};
   api->DeleteTextures(sizeof textures / sizeof *textures, textures);
   api->DeleteVertexArrays(sizeof arrays / sizeof *arrays, arrays);
@@ -141,6 +141,7 @@ void cellist_gl_destroy(cellist_gl *gl) {
     gl->backend->close(gl->context, gl->state);
   }
   gl_tables_release(gl->context, NULL, &gl->tables);
+  gl_target_release(gl->context, NULL, &gl->target);
   gl_cells_mesh_release(gl->context, &gl->mesh);
   cellist_deallocate(gl->context, gl->gradients);
   cellist_deallocate(gl->context, gl->pieces);

@@ -36,7 +36,8 @@ enum {
   GL_VARIANT_LIMITS = 16,
   GL_VARIANT_PLAIN = 32,  /* nothing needs GL_NEED_ANYTHING */
   GL_VARIANT_LITTLE = 64, /* nor GL_NEED_DEPTH */
-  GL_VARIANT_COUNT = 128
+  GL_VARIANT_STEPS = 128, /* with LITTLE: something needs GL_NEED_STEPS */
+  GL_VARIANT_COUNT = 256
 };
 
 /* A program keeps its uniforms: name 0: not built yet. */
@@ -44,6 +45,13 @@ typedef struct gl_program {
   GLuint name;
   uint64_t frame; /* whose uniforms it has */
 } gl_program;
+
+/* A buffer that every batch writes anew. It keeps its memory: to get other memory from the system, empty, costs
+ * software OpenGL as much as to write it. */
+typedef struct gl_stream {
+  GLuint buffer;
+  size_t bytes; /* that it has */
+} gl_stream;
 
 /* Cells that are prepared and sent together: up to 296 bytes each then stay below 10 MB. */
 enum { GL_CHUNK_CELLS = 32768 };
@@ -82,11 +90,10 @@ struct cellist_gl {
   uint64_t frame_count;
   gl_program programs[GL_STAGE_COUNT][GL_INTEGRATOR_COUNT][GL_VARIANT_COUNT];
   GLuint query, vertices, fan_vertices, no_vertices;
-  GLuint corner_buffer, fan_buffer;
-  GLuint record_buffer, record_texture;
+  gl_stream corners, fan_corners, records, lights;
+  GLuint record_texture, light_texture;
   GLuint extra_buffer, extra_texture;
   GLuint interval_buffer, interval_texture;
-  GLuint light_buffer, light_texture;
   gl_tables tables;
   double longest;   /* edge of the mesh; negative: not known yet */
   gl_piece *pieces; /* [piece_capacity] */

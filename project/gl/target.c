@@ -9,7 +9,10 @@ static const GLfloat EMPTY[4] = {0, 0, 0, 0};
 static const GLfloat LEAST[4] = {-INFINITY, 0, 0, 0};
 static const GLfloat NO_DEPTH[4] = {-INFINITY, 0, 0, 0};
 
-void gl_target_release(const gl_api *api, gl_target *target) {
+void gl_target_release(cellist_context *context, const gl_api *api, gl_target *target) {
+  cellist_deallocate(context, target->pixels);
+  target->pixels = NULL;
+  if (api == NULL) return;
   if (target->framebuffer != 0) api->DeleteFramebuffers(1, &target->framebuffer);
   if (target->colour != 0) api->DeleteRenderbuffers(1, &target->colour);
   if (target->depth != 0) api->DeleteRenderbuffers(1, &target->depth);
@@ -41,7 +44,7 @@ static cellist_result make(cellist_context *context, const gl_api *api, gl_targe
   if (width > (uint32_t)limit || height > (uint32_t)limit)
     return cellist_fail(context, CELLIST_ERROR_UNSUPPORTED, "this OpenGL draws at most %d pixels a side, not %ux%u",
                         (int)limit, width, height);
-  gl_target_release(api, target);
+  gl_target_release(context, api, target);
   api->GenFramebuffers(1, &target->framebuffer);
   api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
   attach(api, &target->colour, attachments[0], internal_format(format), width, height);
@@ -49,7 +52,7 @@ static cellist_result make(cellist_context *context, const gl_api *api, gl_targe
   api->DrawBuffers(with_depth ? 2 : 1, attachments);
   const GLenum status = api->CheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
-    gl_target_release(api, target);
+    gl_target_release(context, api, target);
     return cellist_fail(context, CELLIST_ERROR_GRAPHICS, "no framebuffer of %ux%u pixels (status 0x%x)", width, height,
                         status);
   }
@@ -86,15 +89,22 @@ cellist_result gl_target_begin(cellist_context *context, const gl_api *api, gl_t
   return CELLIST_SUCCESS;
 }
 
-/* OpenGL's rows go up, an image's go down. */
-static void copy_channel(const gl_target *target, const float *pixels, size_t components, size_t component,
-                         double factor, cellist_image *image, const char *name) {
-  float *plane = cellist_image_channel(image, name);
-  if (plane == NULL) return;
-  for (size_t y = 0; y < target->height; y++)
-    for (size_t x = 0; x < target->width; x++)
-      plane[y * target->width + x] =
-          (float)(factor * (double)pixels[((target->height - 1 - y) * target->width + x) * components + component]);
+/* OpenGL's rows go up, an image's go down. factors: NULL, all are 1. */
+static void copy_channels(const gl_target *target, size_t count, const char *const *names, const double *factors,
+                          cellist_image *image) {
+  float *planes[4];
+  for (size_t c = 0; c < count; c++) planes[c] = cellist_image_channel(image, names[c]);
+  for (size_t y = 0; y < target->height; y++) {
+    const float *row = target->pixels + (target->height - 1 - y) * target->width * count;
+    for (size_t c = 0; c < count; c++) {
+      if (planes[c] == NULL) continue;
+      float *out = planes[c] + y * target->width;
+      if (factors == NULL)
+        for (size_t x = 0; x < target->width; x++) out[x] = row[x * count + c];
+      else
+        for (size_t x = 0; x < target->width; x++) out[x] = (float)(factors[c] * (double)row[x * count + c]);
+    }
+  }
 }
 
 static void put_depth_behind(const surface_layer *layer, cellist_image *image) {
@@ -106,11 +116,13 @@ static void put_depth_behind(const surface_layer *layer, cellist_image *image) {
   }
 }
 
-cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
+cellist_result gl_target_read(cellist_context *context, const gl_api *api, gl_target *target,
                               const cellist_transfer *transfer, gl_scale scale, double unit, const surface_layer *layer,
                               cellist_image *image) {
-  static const char *const names[4] = {"R", "G", "B", "A"};
-  float *pixels = cellist_allocate(context, (size_t)target->width * target->height, 4 * sizeof *pixels);
+  static const char *const names[4] = {"R", "G", "B", "A"}, *const depth_names[2] = {"Z", "ZBack"};
+  if (target->pixels == NULL)
+    target->pixels = cellist_allocate(context, (size_t)target->width * target->height, 4 * sizeof *target->pixels);
+  float *pixels = target->pixels;
   if (pixels == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   api->PixelStorei(GL_PACK_ALIGNMENT, 4);
   api->ReadBuffer(GL_COLOR_ATTACHMENT0);
@@ -126,14 +138,12 @@ cellist_result gl_target_read(cellist_context *context, const gl_api *api, const
     float *pixel = &pixels[4 * i], z = 0, z_back = 0;
     surface_layer_put_behind(layer, y * target->width + x, pixel, &pixel[3], &z, &z_back);
   }
-  for (size_t c = 0; c < 4; c++) copy_channel(target, pixels, 4, c, 1, image, names[c]);
+  copy_channels(target, 4, names, NULL, image);
   if (target->with_depth) {
     api->ReadBuffer(GL_COLOR_ATTACHMENT1);
     api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RG, GL_FLOAT, pixels);
-    copy_channel(target, pixels, 2, 0, -unit, image, "Z");
-    copy_channel(target, pixels, 2, 1, unit, image, "ZBack");
+    copy_channels(target, 2, depth_names, (const double[2]){-unit, unit}, image);
     put_depth_behind(layer, image);
   }
-  cellist_deallocate(context, pixels);
   return CELLIST_SUCCESS;
 }

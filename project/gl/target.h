@@ -14,6 +14,7 @@ typedef struct gl_target {
   uint32_t width, height;
   cellist_framebuffer format;
   bool with_depth;
+  float *pixels; /* [4 width height] read back; NULL until then */
 } gl_target;
 
 /* Makes the target current, of this size and format, empty, with blending from far to near, or (maximum) of the
@@ -28,10 +29,11 @@ void gl_target_use(const gl_api *api, const gl_target *target, bool maximum);
  * of the scaled scalars that stand in red where alpha is not 0. unit: of depths. The layer is put behind it. Fails with
  * OUT_OF_MEMORY.
  */
-cellist_result gl_target_read(cellist_context *context, const gl_api *api, const gl_target *target,
+cellist_result gl_target_read(cellist_context *context, const gl_api *api, gl_target *target,
                               const cellist_transfer *transfer, gl_scale scale, double unit, const surface_layer *layer,
                               cellist_image *image);
 
-void gl_target_release(const gl_api *api, gl_target *target);
+/* api: NULL releases memory alone. */
+void gl_target_release(cellist_context *context, const gl_api *api, gl_target *target);
 
 #endif

@@ -4,7 +4,7 @@
  * constant colour, blended into the same framebuffer), and the error against the reference caster; both methods, every
  * framebuffer. Beside them the error of VTK 9.1's projected tetrahedra on the same picture, as measured elsewhere.
  * Arguments: names of shared meshes; none: those of the published figures. --transfer NAME: instead of ramp;
- * --no-errors: no reference, which takes the longest. */
+ * --no-errors: no reference, which takes the longest; --faces: nothing but faces in full precision. */
 #if __has_include(<GL/osmesa.h>)
 #include <GL/osmesa.h>
 
@@ -287,7 +287,7 @@ static void bench_frame(struct subject *subject, const cellist_frame *frame, cel
   fflush(stdout);
 }
 
-static void bench_mesh(struct subject *subject, const char *transfer, bool with_errors) {
+static void bench_mesh(struct subject *subject, const char *transfer, bool with_errors, bool faces_only) {
   static const char *const channels[] = {"R", "G", "B", "A"};
   cellist_context *context = subject->context;
   open_subject(subject, transfer);
@@ -307,8 +307,8 @@ static void bench_mesh(struct subject *subject, const char *transfer, bool with_
             "reference");
     }
     bench_frame(subject, &frame, CELLIST_GL_FACES, CELLIST_FRAMEBUFFER_32F, truth, image);
-    bench_frame(subject, &frame, CELLIST_GL_FAN, CELLIST_FRAMEBUFFER_32F, truth, image);
-    if (size == 512) {
+    if (!faces_only) bench_frame(subject, &frame, CELLIST_GL_FAN, CELLIST_FRAMEBUFFER_32F, truth, image);
+    if (size == 512 && !faces_only) {
       bench_frame(subject, &frame, CELLIST_GL_FACES, CELLIST_FRAMEBUFFER_16F, truth, image);
       bench_frame(subject, &frame, CELLIST_GL_FACES, CELLIST_FRAMEBUFFER_8, truth, image);
     }
@@ -322,11 +322,13 @@ int main(int argc, char **argv) {
   static const char *const published[] = {"spx",     "disk_out_ref", "impeller", "sci_torso",
                                           "gears_t", "bluntfin",     "post"};
   const char *transfer = NULL;
-  bool with_errors = true;
+  bool with_errors = true, faces_only = false;
   int first = 1;
   for (; first < argc && argv[first][0] == '-'; first++)
     if (strcmp(argv[first], "--no-errors") == 0)
       with_errors = false;
+    else if (strcmp(argv[first], "--faces") == 0)
+      faces_only = true;
     else if (strcmp(argv[first], "--transfer") == 0 && first + 1 < argc)
       transfer = argv[++first];
   cellist_context *context = NULL;
@@ -339,7 +341,7 @@ int main(int argc, char **argv) {
   const int count = argc > first ? argc - first : (int)(sizeof published / sizeof *published);
   for (int i = 0; i < count; i++) {
     struct subject subject = {.name = argc > first ? argv[first + i] : published[i], .context = context, .gl = gl};
-    bench_mesh(&subject, transfer, with_errors);
+    bench_mesh(&subject, transfer, with_errors, faces_only);
   }
   cellist_gl_destroy(gl);
   cellist_context_destroy(context);

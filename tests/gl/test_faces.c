@@ -101,7 +101,8 @@ TEST(a_uniform_cell_matches_the_closed_form)
   harness_context_destroy(context);
 }
 
-/* Depths from thin to opaque, extinction rising and falling. */
+/* Depths from thin to opaque, extinction rising and falling, in one interval of the transfer function and across a
+ * knot. */
 TEST(all_optical_depths_match_the_closed_form)
 {
   const double values[4] = {0, 1, 0.3, 0.8};
@@ -112,13 +113,14 @@ TEST(all_optical_depths_match_the_closed_form)
   for (int step = -6; step <= 6; step++) {
     const double strength = pow(4, step);
     cellist_transfer_knot knots[] = {{0, 0.01 * strength, {1, 0, 0.2}}, {1, strength, {0, 0.5, 1}}};
-    const cellist_transfer transfer = {2, knots};
-    for (int i = 0; i < 2; i++) {
-      const cellist_frame frame = stage_frame(context, eyes[i], CENTRE, 0, 0, 48);
+    cellist_transfer_knot bent[] = {{0, 0.6 * strength, {1, 0, 0.2}}, {0.5, 0, {0, 1, 0}}, {1, strength, {0, 0.5, 1}}};
+    for (int i = 0; i < 4; i++) {
+      const cellist_transfer transfer = i < 2 ? (cellist_transfer){2, knots} : (cellist_transfer){3, bent};
+      const cellist_frame frame = stage_frame(context, eyes[i % 2], CENTRE, 0, 0, 48);
       struct tally tally = {0};
       compare_cell(&made, 0, &frame, &transfer, &tally);
       assert_true(tally.covered > 30);
-      if (!(tally.worst <= 1e-5)) fail_msg("extinction %g, eye %d: worst error %g", strength, i, tally.worst);
+      if (!(tally.worst <= 1e-5)) fail_msg("extinction %g, picture %d: worst error %g", strength, i, tally.worst);
     }
   }
   cellist_transfer_knot knots[] = {{0, 1e12, {1, 0, 0.2}}, {1, 1e12, {1, 0, 0.2}}}; /* a wall: its front is all */
