@@ -178,6 +178,7 @@ static inline void d4_store_rows(float *p, int stride, const d4 column[4]) {
 }
 /* Bit i: a <= b in lane i; not where one is NaN. */
 static inline unsigned d4_at_most(d4 a, d4 b) { return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LE_OQ)); }
+static inline unsigned d4_greater(d4 a, d4 b) { return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ)); }
 /* out[j] lane i = row[i][j]. */
 static inline void d4_transpose(const double *const row[4], d4 out[4]) {
   const d4 a = _mm256_loadu_pd(row[0]), b = _mm256_loadu_pd(row[1]);
@@ -332,6 +333,11 @@ static inline d4 d4_select(d4 mask, d4 yes, d4 no) { LANES_EACH(d4, 4, mask.v[i]
 static inline void d4_store_rows(float *p, int stride, const d4 column[4]) {
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < 4; j++) p[i * stride + j] = (float)column[j].v[i];
+}
+static inline unsigned d4_greater(d4 a, d4 b) {
+  unsigned bits = 0;
+  for (int i = 0; i < 4; i++) bits |= (unsigned)(a.v[i] > b.v[i]) << i;
+  return bits;
 }
 static inline unsigned d4_at_most(d4 a, d4 b) {
   unsigned bits = 0;

@@ -9,21 +9,12 @@
 
 #include <string.h>
 
-#include "cells.h"
+#include "careful.h"
 #include "light.h"
 #include "shade.h"
 
 /* Fragments that are gathered before they are shaded, at most a tile more: the list stays in the second-level cache. */
 enum { SHADE_AT = 1024 };
-
-/* One cell of a batch, with its place in the tile. */
-typedef struct tile_cell {
-  const cell_batch *batch;
-  int lane;
-  uint32_t cell;
-  soft_rect rect;
-  int32_t origin; /* of the rectangle, as a pixel of the tile */
-} tile_cell;
 
 /* Between which places eight rays are seen, relative to the record's plane; two: the last four are of the next row. */
 static inline void cut_to_limits(const soft_worker *limits, const soft_record *record, f8 columns, f8 line,
@@ -170,158 +161,6 @@ static inline void fill_plain(const tile_cell *cell, const soft_worker *limits, 
   if (fragments->has_gradients) fragments->gradients[fragments->record_count] = batch->gradient_record[lane];
   if (fragments->is_sharp) fragments->ends[fragments->record_count][0] = NAN;
   fragments->records[fragments->record_count++] = batch->record[lane];
-}
-
-/* The plane of a face, from its points in the order of their ids: the two cells that share it get the same bits, so
- * that a ray within rounding of it is counted once. Positive, times side, is inside. */
-typedef struct careful_plane {
-  double normal[3], offset, side;
-  double size, reach; /* of the normal; of what rounding of the offset (parallel: of the slope) is a part of */
-} careful_plane;
-
-static inline void order_two(uint32_t *a, uint32_t *b, double *side) {
-  if (*a <= *b) return;
-  const uint32_t swapped = *a;
-  *a = *b;
-  *b = swapped;
-  *side = -*side;
-}
-
-static inline void careful_planes(const soft_scene *scene, uint32_t cell, careful_plane planes[4]) {
-  for (int k = 0; k < 4; k++) {
-    uint32_t id[3];
-    for (int i = 0; i < 3; i++) id[i] = scene->tets[4 * (size_t)cell + CELLIST_TET_FACE[k][i]];
-    double side = 1; /* outwards in the mesh's frame is inwards in the eye's, which is left-handed */
-    order_two(&id[0], &id[1], &side);
-    order_two(&id[1], &id[2], &side);
-    order_two(&id[0], &id[1], &side);
-    const soft_vertex a = scene->vertices[id[0]], b = scene->vertices[id[1]], c = scene->vertices[id[2]];
-    const double e[3] = {b.x - a.x, b.y - a.y, b.z - a.z}, f[3] = {c.x - a.x, c.y - a.y, c.z - a.z};
-    careful_plane *plane = &planes[k];
-    for (int i = 0; i < 3; i++) plane->normal[i] = e[(i + 1) % 3] * f[(i + 2) % 3] - e[(i + 2) % 3] * f[(i + 1) % 3];
-    plane->offset = plane->normal[0] * a.x + plane->normal[1] * a.y + plane->normal[2] * a.z;
-    plane->side = side;
-    plane->size = fabs(plane->normal[0]) + fabs(plane->normal[1]) + fabs(plane->normal[2]);
-    plane->reach = plane->size * (scene->parallel ? 1 : fabs(a.x) + fabs(a.y) + fabs(a.z));
-  }
-}
-
-/* fmin and fmax are calls into the mathematical library. */
-static inline double smaller(double a, double b) { return a < b ? a : b; }
-static inline double larger(double a, double b) { return a > b ? a : b; }
-
-/* Rays this near to a plane that the eye is as near to lie in it: faces in one plane must agree on who has such a ray,
- * or cells of both sides, which have no order, are seen by turns. Smaller: rounding decides; larger: cells that thin.
- */
-#define CAREFUL_TIE 1e-12
-
-/* Cuts leaves..enters by a plane; false if the ray lies beside it. A ray in the plane counts as one displaced to the
- * right by an infinitesimal, and up by its square. */
-static inline bool cut_by_plane(const careful_plane *plane, bool parallel, double u, double v, double *leaves,
-                                double *enters) {
-  const double *n = plane->normal;
-  const double flat = n[0] * u + n[1] * v;
-  const double above = parallel ? flat - plane->offset : flat + n[2], below = parallel ? n[2] : plane->offset;
-  const double is_inside = below * plane->side;
-  if (fabs(below) <= CAREFUL_TIE * plane->reach && fabs(above) <= CAREFUL_TIE * plane->size * (1 + fabs(u) + fabs(v)))
-    return (fabs(n[0]) > CAREFUL_TIE * plane->size ? n[0] : n[1]) * plane->side > 0;
-  if (is_inside > 0)
-    *enters = smaller(*enters, above / below);
-  else if (is_inside < 0)
-    *leaves = larger(*leaves, above / below);
-  else
-    return (above != 0 ? above : n[0] != 0 ? n[0] : n[1]) * plane->side > 0;
-  return true;
-}
-
-/* One pixel in double precision: false if the cell does not cover it. The record's reference ray is the pixel's own.
- * limits: places between which the ray is seen, near and far. ends: filled with the scalars where it enters and
- * leaves. */
-static inline bool careful_pixel(const soft_scene *scene, const tile_cell *cell, const careful_plane planes[4],
-                                 double u, double v, const double limits[2], soft_record *record, float *near_end,
-                                 double ends[2]) {
-  const cell_batch *batch = cell->batch;
-  const int lane = cell->lane;
-  const bool parallel = scene->parallel;
-  double leaves = larger(parallel ? -batch->z_high[lane] : 1 / batch->z_high[lane], limits[1]);
-  double enters = limits[0];
-  for (int k = 0; k < 4; k++)
-    if (!cut_by_plane(&planes[k], parallel, u, v, &leaves, &enters)) return false;
-  if (!parallel) enters = smaller(enters, ENTRY_LIMIT * leaves);
-  if (!(enters > leaves)) return false;
-  const double t = parallel ? -leaves : 1 / leaves, stretch = parallel ? 1 : t;
-  const double *gx = batch->gradient[0], *gy = batch->gradient[1], *gz = batch->gradient[2];
-  const double s = batch->corner[3][lane] + gx[lane] * (stretch * u - batch->corner[0][lane]) +
-                   gy[lane] * (stretch * v - batch->corner[1][lane]) + gz[lane] * (t - batch->corner[2][lane]);
-  const double slope = parallel ? gz[lane] : gx[lane] * u + gy[lane] * v + gz[lane];
-  const double low = batch->s_low[lane], high = batch->s_high[lane];
-  const double depth = parallel ? leaves - enters : 1 / enters - t; /* from the exit to the entry */
-  ends[0] = smaller(larger(s + slope * depth, low), high);
-  ends[1] = smaller(larger(s, low), high);
-  *record = (soft_record){.place = (float)leaves,
-                          .s_end = (float)(parallel ? slope : slope * t),
-                          .base = (float)ends[1],
-                          .s_low = batch->record[lane].s_low,
-                          .s_high = batch->record[lane].s_high,
-                          .share = batch->record[lane].share,
-                          .shine = batch->record[lane].shine};
-  *near_end = (float)(enters - leaves);
-  return true;
-}
-
-/* The gradient where a careful pixel's ray leaves the cell, and how it changes towards the entry. */
-static inline void careful_gradient(const soft_scene *scene, const cell_batch *batch, int lane, double u, double v,
-                                    double leaves, soft_gradient_record *record) {
-  const double t = scene->parallel ? -leaves : 1 / leaves, stretch = scene->parallel ? 1 : t;
-  const double from[3] = {stretch * u - batch->corner[0][lane], stretch * v - batch->corner[1][lane],
-                          t - batch->corner[2][lane]};
-  *record = (soft_gradient_record){.unused = 0};
-  for (int part = 0; part < 3; part++) {
-    double value = batch->corner_turn[part][lane];
-    for (int k = 0; k < 3; k++) value += batch->turn[part][k][lane] * from[k];
-    const double slope =
-        scene->parallel
-            ? batch->turn[part][2][lane]
-            : t * (batch->turn[part][0][lane] * u + batch->turn[part][1][lane] * v + batch->turn[part][2][lane]);
-    record->g[9 + part] = (float)slope;
-    record->g[12 + part] = (float)value;
-  }
-}
-
-/* is_sharp: scalars are kept in double precision. */
-static void fill_careful(const soft_scene *scene, const soft_worker *limits, const tile_cell *cell, bool is_sharp,
-                         soft_fragments *fragments) {
-  const soft_rect rect = cell->rect;
-  if (!(cell->batch->z_high[cell->lane] > 0) && !scene->parallel) return;
-  careful_plane planes[4];
-  careful_planes(scene, cell->cell, planes);
-  for (int y = rect.y0; y <= rect.y1; y++) {
-    const double v = scene->upward + scene->upward_step * y;
-    for (int x = rect.x0; x <= rect.x1; x++) {
-      const size_t at = fragments->count;
-      const double u = scene->across + scene->across_step * x;
-      const int32_t pixel = cell->origin + (y - rect.y0) * SOFT_TILE + (x - rect.x0);
-      double ends[2], seen[2] = {scene->parallel ? -scene->near : 1 / scene->near, -HUGE_VAL};
-      if (limits != NULL) {
-        seen[0] = limits->near_place[pixel];
-        seen[1] = limits->far_place[pixel];
-      }
-      if (!careful_pixel(scene, cell, planes, u, v, seen, &fragments->records[fragments->record_count],
-                         &fragments->near_end[at], ends))
-        continue;
-      if (fragments->is_sharp) {
-        fragments->ends[fragments->record_count][0] = is_sharp ? ends[0] : NAN;
-        fragments->ends[fragments->record_count][1] = ends[1];
-      }
-      if (fragments->has_gradients)
-        careful_gradient(scene, cell->batch, cell->lane, u, v, fragments->records[fragments->record_count].place,
-                         &fragments->gradients[fragments->record_count]);
-      fragments->far_end[at] = 0;
-      fragments->where[at] = pixel;
-      fragments->cell[at] = (int32_t)fragments->record_count++;
-      fragments->count++;
-    }
-  }
 }
 
 static bool is_opaque(const soft_scene *scene, const soft_worker *worker) {
