@@ -80,9 +80,10 @@ static cellist_result check_threads(const soak_scene *scene, const cellist_view 
   return result;
 }
 
-/* A renderer may refuse what it does not draw, and the convexifier a mesh, if it says so. */
-static bool is_refusal(cellist_result result, const char *message) {
-  return (result == CELLIST_ERROR_UNSUPPORTED || result == CELLIST_ERROR_GEOMETRY) && message[0] != '\0';
+/* The convexifier may refuse a mesh if it says why. Renderers draw every scene. */
+static bool is_refusal(const soak_scene *scene, cellist_result result, const char *message) {
+  const bool convexifies = scene->desc.order.exterior >= CELLIST_ORDER_HULL;
+  return convexifies && (result == CELLIST_ERROR_UNSUPPORTED || result == CELLIST_ERROR_GEOMETRY) && message[0] != '\0';
 }
 
 static void run_scene(const soak_scene *scene, uint64_t index, soak_totals *totals, char *reason) {
@@ -106,7 +107,7 @@ static void run_scene(const soak_scene *scene, uint64_t index, soak_totals *tota
     stage = "the renderer";
     result = draw_with(context, scene, &view, &drawn);
     if (result != CELLIST_SUCCESS) message = cellist_context_take_error(context);
-    if (is_refusal(result, message)) {
+    if (is_refusal(scene, result, message)) {
       totals->refused++;
       result = CELLIST_SUCCESS;
     }
@@ -149,12 +150,23 @@ static void watch(uint64_t seed, uint64_t index) {
 
 static void print_progress(const soak_totals *totals, double seconds) {
   printf(
-      "%llu scenes in %.0f s, %llu failures; largest error %.1e, %llu of %llu pixels explained by a small "
-      "shift, %llu pairs in order, %llu repeated with other threads, %llu refused\n",
-      (unsigned long long)totals->scenes, seconds, (unsigned long long)totals->failures, totals->worst,
+      "%llu scenes in %.0f s, %llu failures; %llu of %llu pixels explained by a small shift, %llu pairs in order, "
+      "%llu repeated with other threads, %llu exteriors refused\n",
+      (unsigned long long)totals->scenes, seconds, (unsigned long long)totals->failures,
       (unsigned long long)totals->shifted_pixels, (unsigned long long)totals->pixels, (unsigned long long)totals->pairs,
       (unsigned long long)totals->repeated, (unsigned long long)totals->refused);
   fflush(stdout);
+}
+
+static void print_kinds(const soak_totals *totals) {
+  printf("largest errors, in parts of a picture's largest value:\n");
+  for (size_t i = 0; i < totals->kind_count; i++) {
+    const soak_kind *kind = &totals->kinds[i];
+    printf("  %-22s %6llu scenes  %.1e of %.1e", kind->name, (unsigned long long)kind->scenes, kind->worst,
+           kind->limit);
+    if (kind->most_strays > 0) printf(", up to %.2g of the pixels more", kind->most_strays);
+    printf("\n");
+  }
 }
 
 int main(int argc, char **argv) {
@@ -192,5 +204,6 @@ int main(int argc, char **argv) {
     if (totals.scenes % PROGRESS_EVERY == 0) print_progress(&totals, clock_seconds() - begin);
   }
   print_progress(&totals, clock_seconds() - begin);
+  print_kinds(&totals);
   return totals.failures > 0;
 }

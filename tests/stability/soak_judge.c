@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Single precision in a few hundred cells of any opacity; smaller: rounding alone would fail; larger: a wrong cell in a
@@ -14,66 +15,83 @@
 static const double LIMIT = 2e-4;
 /* Pictures that are fainter are judged as if they were this bright: errors of A do not shrink with it. */
 static const double FAINT = 0.05;
-/* In pixels: some twenty times what rounding moves a corner by. */
-static const double SHIFT = 1e-4;
+/* In pixels: some twenty times what rounding moves a corner by, and four times what OpenGL does along either axis. */
+static const double ROUNDING_SHIFT = 1e-4, CORNER_SHIFT = 1.0 / 128;
 
 /* Light by gradients at points, which is taken at 1 to 4 places of a segment: the highlight by faces, all of it by
- * soft. Meshes of six cells have long segments; on finer ones errors are as the folders' READMEs say. */
-static const double LIT_FACES[4] = {0.2, 0.1, 0.06, 0.05}, LIT_SOFT[4] = {0.25, 0.15, 0.1, 0.08};
+ * soft. Of meshes of fewer than COARSE tets, which have long segments, and of others. */
+enum { COARSE = 100 };
+static const double LIT_FACES[2][4] = {{0.2, 0.1, 0.06, 0.05}, {0.08, 0.05, 0.03, 0.03}};
+static const double LIT_SOFT[2][4] = {{0.25, 0.15, 0.1, 0.08}, {0.1, 0.08, 0.06, 0.06}};
 /* Tables know the transfer function at their nodes only; psi is held to single precision. */
 static const double TABLE = 3e-2;
-/* OpenGL moves a fan's corners by up to 1/512 pixel along either axis, and an opaque surface's; a largest scalar is not
- * weighed by the cell's extent, and may be that of a cell not much larger. */
-static const double FAN = 5e-3, FAN_MAXIMUM = 5e-2, CORNER_SHIFT = 1.0 / 128;
-/* In pictures of few pixels and dense media, in which cells are smaller than pixels, this share of a fan's pixels may
- * be off by as much. */
-static const double FAN_STRAYS = 0.01, FAN_STRAY = 0.1;
+/* OpenGL moves a fan's corners, and cells gain or lose what that is of them. In pictures of few pixels and dense media,
+ * in which cells are smaller than pixels, and where the largest scalar is a sliver's, this share of a picture may be
+ * off by more. */
+static const double FAN = 3e-3, FAN_STRAYS = 0.01, FAN_STRAY = 0.1;
 /* Roundings of a blend, to 11 bits or to bytes: of what is added, of what is left through, and of their sum. */
 static const double BLEND_16F = 3 * 0x1p-12, BLEND_8 = 3 * 0.5 / 255;
 
 /* Eight directions, as far as the shift and a quarter as far: what is seen may be narrower than it. */
 enum { DIRECTIONS = 8, SHIFTS = 2 * DIRECTIONS };
+/* The reference moved as far as rounding moves a ray, and as far as OpenGL moves a corner. */
+enum { BY_ROUNDING, BY_CORNERS, RINGS };
 
 static const char *const CHANNELS[] = {"R", "G", "B", "A"};
 
 /* How far a pixel may be off. */
 typedef struct allowance {
-  double plain;    /* in parts of the picture's largest value */
-  double per_cell; /* more for each cell on the ray, in parts of it or of 1 if that is larger */
-  double shift;    /* of the reference, in pixels */
-  /* At a surface's edges OpenGL may show a facet that is hidden there; a ray along facets may show one it lies in. */
-  bool has_facets;
+  double plain;         /* in parts of the picture's largest value */
+  double per_cell;      /* more for each cell on the ray, in parts of it or of 1 if that is larger */
+  int first;            /* channel that is compared */
+  bool moves_corners;   /* OpenGL: of fans, or of a surface */
+  bool has_edges;       /* OpenGL may show a facet that is hidden at an edge of the surface */
+  bool lies_in_facets;  /* rays may lie in facets, and show one or the other */
   double strays, stray; /* a share of the pixels that may be off by more, and by how much, as `plain` */
   bool is_finite;       /* nothing else is known */
+  char kind[SOAK_KIND]; /* of picture, for the totals */
 } allowance;
 
-static allowance allowance_of(const soak_scene *scene, double peak) {
+static allowance allowance_of(const soak_scene *scene, size_t tet_count, double peak) {
   const cellist_pipeline_desc *desc = &scene->desc;
   const cellist_optics *model = &desc->optics.model;
   const bool is_faces = desc->renderer == CELLIST_RENDERER_FACES, is_fan = desc->renderer == CELLIST_RENDERER_FAN;
   const bool is_gl = is_faces || is_fan;
   const bool is_volume = model->model == CELLIST_MODEL_EMISSION_ABSORPTION || model->model == CELLIST_MODEL_ABSORPTION;
-  allowance made = {.plain = LIMIT, .shift = SHIFT, .is_finite = scene->is_flawed};
+  const char *renderer = is_faces                                  ? "faces"
+                         : is_fan                                  ? "fan"
+                         : desc->renderer == CELLIST_RENDERER_SOFT ? "soft"
+                                                                   : "cast";
+  allowance made = {.plain = LIMIT, .is_finite = scene->is_flawed};
+  snprintf(made.kind, sizeof made.kind, "%s", renderer);
   const bool is_lit = model->light.enabled &&
                       (model->model == CELLIST_MODEL_EMISSION_ABSORPTION || model->model == CELLIST_MODEL_EMISSION);
   const uint32_t samples = model->sample_count > 0 ? model->sample_count : 1;
-  if (is_lit && desc->renderer != CELLIST_RENDERER_CAST) made.plain = (is_gl ? LIT_FACES : LIT_SOFT)[samples - 1];
+  if (is_lit && desc->renderer != CELLIST_RENDERER_CAST) {
+    const bool is_coarse = tet_count < COARSE;
+    made.plain = (is_gl ? LIT_FACES : LIT_SOFT)[!is_coarse][samples - 1];
+    snprintf(made.kind, sizeof made.kind, "%s, lit %u%s", is_gl ? "faces" : "soft", samples,
+             is_coarse ? " coarse" : "");
+  }
   if (is_faces && is_volume && model->integration == CELLIST_INTEGRATION_TABLE) {
     made.plain = fmax(made.plain, TABLE);
+    snprintf(made.kind, sizeof made.kind, "faces, table");
     /* README's limits: spikes are smeared, and so is what a narrow range makes of any function. */
     made.is_finite = made.is_finite || desc->optics.has_range || strcmp(desc->optics.transfer, "spikes") == 0;
   }
-  if (is_fan) made.strays = FAN_STRAYS, made.stray = FAN_STRAY;
-  if (is_fan) made.plain = fmax(made.plain, model->model == CELLIST_MODEL_MAXIMUM ? FAN_MAXIMUM : FAN);
-  if (is_fan || (is_gl && desc->surface_count > 0)) made.shift = CORNER_SHIFT;
-  made.has_facets = desc->surface_count > 0 && (is_gl || scene->is_along);
+  if (is_fan && !is_lit) {
+    made.strays = FAN_STRAYS;
+    made.stray = FAN_STRAY;
+    made.plain = FAN;
+  }
+  made.has_edges = is_gl && desc->surface_count > 0;
+  made.moves_corners = (is_fan && !is_lit) || made.has_edges;
+  made.lies_in_facets = desc->surface_count > 0 && scene->is_along;
   const bool is_float = desc->framebuffer == CELLIST_FRAMEBUFFER_32F || model->model == CELLIST_MODEL_MAXIMUM;
   if (is_gl && !is_float) {
     made.per_cell = desc->framebuffer == CELLIST_FRAMEBUFFER_16F ? BLEND_16F : BLEND_8;
-    made.is_finite = made.is_finite || (desc->framebuffer == CELLIST_FRAMEBUFFER_8 && peak > 1);
+    if (desc->framebuffer == CELLIST_FRAMEBUFFER_8 && peak > 1) made.first = 3; /* colours end at 1 */
   }
-  /* README's limits: rays that lie in faces but for rounding. */
-  made.is_finite = made.is_finite || (scene->is_along && is_gl);
   return made;
 }
 
@@ -98,10 +116,15 @@ static bool shifted(cellist_context *context, const cellist_view *view, const un
   return true;
 }
 
+/* The reference by rays that are moved, each way. */
+struct ring {
+  cellist_image *moved[SHIFTS];
+  size_t count;
+};
+
 struct pictures {
   const cellist_image *drawn, *reference;
-  cellist_image *moved[SHIFTS];
-  size_t moved_count;
+  struct ring rings[RINGS];
 };
 
 static double value_of(const cellist_image *image, int channel, size_t pixel) {
@@ -111,25 +134,33 @@ static double value_of(const cellist_image *image, int channel, size_t pixel) {
 /* Whether a surface ends near the pixel, in front of something or of nothing. */
 static bool is_at_edge(const struct pictures *pictures, size_t pixel) {
   const float *z = cellist_image_channel(pictures->reference, "ZBack");
-  for (size_t i = 0; i < pictures->moved_count; i++)
-    if (fabsf(cellist_image_channel(pictures->moved[i], "ZBack")[pixel] - z[pixel]) > 1e-3F * z[pixel]) return true;
+  const struct ring *ring = &pictures->rings[BY_CORNERS];
+  for (size_t i = 0; i < ring->count; i++)
+    if (fabsf(cellist_image_channel(ring->moved[i], "ZBack")[pixel] - z[pixel]) > 1e-3F * z[pixel]) return true;
   return false;
 }
 
-static bool is_explained(const struct pictures *pictures, size_t pixel, double tolerance, bool has_facets) {
-  if (has_facets && is_at_edge(pictures, pixel)) return true;
-  for (int k = 0; k < 4; k++) {
-    double low = value_of(pictures->reference, k, pixel), high = low;
-    for (size_t i = 0; i < pictures->moved_count; i++) {
-      const double value = value_of(pictures->moved[i], k, pixel);
-      low = fmin(low, value);
-      high = fmax(high, value);
-    }
-    if (has_facets && high - low > tolerance) return true;
-    const double value = value_of(pictures->drawn, k, pixel);
-    if (!(value >= low - tolerance && value <= high + tolerance)) return false;
+static void widen(const struct ring *ring, int channel, size_t pixel, double *low, double *high) {
+  for (size_t i = 0; i < ring->count; i++) {
+    const double value = value_of(ring->moved[i], channel, pixel);
+    *low = fmin(*low, value);
+    *high = fmax(*high, value);
   }
-  return true;
+}
+
+/* By how much the pixel is not what the reference takes on nearby. */
+static double miss_of(const struct pictures *pictures, size_t pixel, double tolerance, const allowance *allowed) {
+  if (allowed->has_edges && is_at_edge(pictures, pixel)) return 0;
+  double miss = 0;
+  for (int k = allowed->first; k < 4; k++) {
+    double low = value_of(pictures->reference, k, pixel), high = low;
+    widen(&pictures->rings[BY_ROUNDING], k, pixel, &low, &high);
+    if (allowed->lies_in_facets && high - low > tolerance) return 0;
+    widen(&pictures->rings[BY_CORNERS], k, pixel, &low, &high);
+    const double value = value_of(pictures->drawn, k, pixel);
+    miss = fmax(miss, fmax(low - value, value - high));
+  }
+  return miss;
 }
 
 /* The largest value of the reference; fills reason if a value is none. */
@@ -149,17 +180,26 @@ static double find_peak(const soak_scene *scene, const struct pictures *pictures
   return peak;
 }
 
-static cellist_result draw_moved(cellist_context *context, cellist_pipeline *caster, const soak_scene *scene,
-                                 const cellist_view *view, double shift, struct pictures *pictures) {
-  for (int s = (int)pictures->moved_count; s < SHIFTS; s++) {
+/* Draws a ring if it is not yet. */
+static cellist_result draw_ring(cellist_context *context, cellist_pipeline *caster, const soak_scene *scene,
+                                const cellist_view *view, double shift, struct ring *ring) {
+  for (int s = (int)ring->count; s < SHIFTS; s++) {
     cellist_view moved;
     if (!shifted(context, view, scene->size, shift, s, &moved)) break;
-    const cellist_result result = cellist_pipeline_draw(caster, &moved, scene->size[0], scene->size[1],
-                                                        &pictures->moved[pictures->moved_count], NULL);
+    const cellist_result result =
+        cellist_pipeline_draw(caster, &moved, scene->size[0], scene->size[1], &ring->moved[ring->count], NULL);
     if (result != CELLIST_SUCCESS) return result;
-    pictures->moved_count++;
+    ring->count++;
   }
   return CELLIST_SUCCESS;
+}
+
+static cellist_result draw_rings(cellist_context *context, cellist_pipeline *caster, const soak_scene *scene,
+                                 const cellist_view *view, const allowance *allowed, struct pictures *pictures) {
+  cellist_result result = draw_ring(context, caster, scene, view, ROUNDING_SHIFT, &pictures->rings[BY_ROUNDING]);
+  if (result == CELLIST_SUCCESS && allowed->moves_corners)
+    result = draw_ring(context, caster, scene, view, CORNER_SHIFT, &pictures->rings[BY_CORNERS]);
+  return result;
 }
 
 static void say_wrong(const soak_scene *scene, const struct pictures *pictures, size_t wrong, size_t pixel,
@@ -175,39 +215,54 @@ static void say_wrong(const soak_scene *scene, const struct pictures *pictures, 
            r[0], r[1], r[2], r[3]);
 }
 
+static soak_kind *find_kind(soak_totals *totals, const allowance *allowed) {
+  size_t i = 0;
+  while (i < totals->kind_count && strcmp(totals->kinds[i].name, allowed->kind) != 0) i++;
+  soak_kind *kind = &totals->kinds[i];
+  if (i == totals->kind_count) {
+    if (i == SOAK_KINDS) abort();
+    totals->kind_count++;
+    strcpy(kind->name, allowed->kind);
+    kind->limit = allowed->plain;
+  }
+  return kind;
+}
+
 static cellist_result compare(cellist_context *context, cellist_pipeline *caster, const soak_scene *scene,
                               const cellist_view *view, struct pictures *pictures, soak_totals *totals, char *reason) {
   const size_t count = (size_t)scene->size[0] * scene->size[1];
-  const double peak = find_peak(scene, pictures, reason);
+  const double peak = find_peak(scene, pictures, reason), scale = fmax(peak, FAINT);
   totals->pixels += count;
-  const allowance allowed = allowance_of(scene, peak);
+  const size_t tet_count = cellist_mesh_get_arrays(cellist_pipeline_mesh(caster))->tet_count;
+  const allowance allowed = allowance_of(scene, tet_count, peak);
   if (reason[0] != '\0' || allowed.is_finite) return CELLIST_SUCCESS;
   const float *cells = cellist_image_channel(pictures->reference, "cells.Y");
+  soak_kind *kind = find_kind(totals, &allowed);
+  kind->scenes++;
   size_t wrong = 0, strays = 0, first = 0;
   double worst = 0;
   for (size_t i = 0; i < count; i++) {
-    const double tolerance = allowed.plain * fmax(peak, FAINT) + allowed.per_cell * (cells[i] + 2) * fmax(peak, 1);
-    double difference = 0;
-    for (int k = 0; k < 4; k++)
-      difference = fmax(difference, fabs(value_of(pictures->drawn, k, i) - value_of(pictures->reference, k, i)));
-    if (!(difference > tolerance)) {
-      if (allowed.plain == LIMIT && allowed.per_cell == 0)
-        totals->worst = fmax(totals->worst, peak > 0 ? difference / peak : difference);
-      continue;
+    const double blended = allowed.per_cell * (cells[i] + 2) * fmax(peak, 1);
+    const double tolerance = allowed.plain * scale + blended;
+    double miss = 0;
+    for (int k = allowed.first; k < 4; k++)
+      miss = fmax(miss, fabs(value_of(pictures->drawn, k, i) - value_of(pictures->reference, k, i)));
+    if (miss > tolerance) {
+      const cellist_result result = draw_rings(context, caster, scene, view, &allowed, pictures);
+      if (result != CELLIST_SUCCESS) return result;
+      miss = miss_of(pictures, i, tolerance, &allowed);
+      totals->shifted_pixels += miss <= tolerance;
     }
-    const cellist_result result = draw_moved(context, caster, scene, view, allowed.shift, pictures);
-    if (result != CELLIST_SUCCESS) return result;
-    if (is_explained(pictures, i, tolerance, allowed.has_facets)) {
-      totals->shifted_pixels++;
-      continue;
-    }
-    if (difference <= allowed.stray * fmax(peak, FAINT)) {
+    if (miss > tolerance && miss <= allowed.stray * scale) {
       strays++;
       continue;
     }
-    if (difference > worst) worst = difference, first = i;
+    kind->worst = fmax(kind->worst, (miss - blended) / scale);
+    if (!(miss > tolerance)) continue;
+    if (miss > worst) worst = miss, first = i;
     wrong++;
   }
+  kind->most_strays = fmax(kind->most_strays, (double)strays / (double)count);
   if ((double)strays > allowed.strays * (double)count) wrong += strays;
   if (wrong > 0) say_wrong(scene, pictures, wrong, first, reason);
   return CELLIST_SUCCESS;
@@ -218,7 +273,8 @@ cellist_result soak_judge(cellist_context *context, cellist_pipeline *caster, co
                           soak_totals *totals, char reason[SOAK_REASON]) {
   struct pictures pictures = {.drawn = drawn, .reference = reference};
   const cellist_result result = compare(context, caster, scene, view, &pictures, totals, reason);
-  for (size_t i = 0; i < pictures.moved_count; i++) cellist_image_destroy(pictures.moved[i]);
+  for (int r = 0; r < RINGS; r++)
+    for (size_t i = 0; i < pictures.rings[r].count; i++) cellist_image_destroy(pictures.rings[r].moved[i]);
   return result;
 }
 

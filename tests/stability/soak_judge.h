@@ -5,12 +5,23 @@
 
 #include "soak_scene.h"
 
-enum { SOAK_REASON = 512 };
+enum { SOAK_REASON = 512, SOAK_KIND = 40, SOAK_KINDS = 32 };
+
+/* Pictures with one limit. */
+typedef struct soak_kind {
+  char name[SOAK_KIND];
+  uint64_t scenes;
+  /* In parts of a picture's largest value: how far a pixel may be off, and the largest that was found beyond what
+   * moved rays and blending explain. */
+  double limit, worst;
+  double most_strays; /* largest share of a picture's pixels that were further off and may be */
+} soak_kind;
 
 /* What was looked at so far. */
 typedef struct soak_totals {
   uint64_t scenes, failures, refused, repeated, pairs, pixels, shifted_pixels;
-  double worst; /* largest difference that is within the limit of single precision, in parts of the largest value */
+  size_t kind_count;
+  soak_kind kinds[SOAK_KINDS];
 } soak_totals;
 
 /* Fills reason if `drawn` is not what `reference`, by `caster` for the same view, says within what the scene's settings
