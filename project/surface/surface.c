@@ -152,12 +152,17 @@ cellist_result cellist_surface_create(cellist_context *context, const cellist_su
   cellist_surface *created = cellist_allocate_zeroed(context, 1, sizeof *created);
   if (created == NULL) return CELLIST_ERROR_OUT_OF_MEMORY;
   created->context = context;
-  result = allocate(created, arrays);
+  uint32_t *kept = NULL;
+  cellist_surface_arrays distinct = *arrays;
+  result = surface_keep_first(context, arrays, &kept, &distinct.triangle_count);
+  distinct.triangles = kept;
+  if (result == CELLIST_SUCCESS) result = allocate(created, &distinct);
   if (result == CELLIST_SUCCESS) {
-    find_bounds(arrays, created->bounds);
+    find_bounds(&distinct, created->bounds);
     /* What allocate made, and only this file knows not to be const. */
-    result = sort_triangles(created, arrays, (uint32_t *)(uintptr_t)created->arrays.triangles);
+    result = sort_triangles(created, &distinct, (uint32_t *)(uintptr_t)created->arrays.triangles);
   }
+  cellist_deallocate(context, kept);
   if (result == CELLIST_SUCCESS) result = surface_tree_build(context, &created->arrays, &created->tree);
   if (result != CELLIST_SUCCESS) {
     cellist_surface_destroy(created);

@@ -15,4 +15,9 @@ struct cellist_surface {
   surface_tree tree;
 };
 
+/* The triangles without those that coincide with one before: [3 *triangle_count] point ids, to be deallocated.
+ * Errors: OUT_OF_MEMORY. Cost: linear. */
+cellist_result surface_keep_first(cellist_context *context, const cellist_surface_arrays *arrays, uint32_t **triangles,
+                                  size_t *triangle_count);
+
 #endif

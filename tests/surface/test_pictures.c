@@ -394,6 +394,57 @@ TEST(a_meshs_own_boundary_leaves_nothing_of_its_volume)
   harness_context_destroy(context);
 }
 
+/* Triangles that coincide lie at one depth: every renderer shows the first of them, whichever way round. */
+TEST(of_triangles_that_coincide_the_first_is_seen)
+{
+  cellist_context *context = harness_context(1);
+  const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, slope[3] = {0.5, 0.1, 0.3};
+  stage made;
+  stage_open(&made, context, stage_box(context, 3, low, high, 0, slope), NULL, 1);
+  const double green[3] = {0, 1, 0}, red[3] = {1, 0, 0};
+  cellist_surface *parts[2], *other = NULL, *both = NULL;
+  for (int i = 0; i < 2; i++) {
+    const cellist_surface_cells cells = {.mesh = made.mesh, .colour = i == 0 ? green : red};
+    assert_success(context, cellist_surface_from_cells(context, &cells, &parts[i]));
+  }
+  cellist_surface_arrays turned = *cellist_surface_get_arrays(parts[1]);
+  uint32_t *triangles = malloc(3 * turned.triangle_count * sizeof *triangles);
+  for (size_t i = 0; i < turned.triangle_count; i++)
+    for (size_t c = 0; c < 3; c++) {
+      const size_t from = i % 2 == 0 ? (c + i) % 3 : 2 - c;
+      triangles[3 * i + c] = turned.triangles[3 * i + from];
+    }
+  turned.triangles = triangles;
+  assert_success(context, cellist_surface_create(context, &turned, &other));
+  assert_success(context, cellist_surface_join(context, (const cellist_surface *const[]){parts[0], other}, 2, &both));
+  assert_int_equal(cellist_surface_get_arrays(both)->triangle_count,
+                   cellist_surface_get_arrays(parts[0])->triangle_count);
+  random_state random = {6};
+  const double centre[3] = {0.5, 0.5, 0.5};
+  for (int round = 0; round < 3; round++) {
+    const cellist_view view = stage_random_view(&random, centre, 0.9, round);
+    cellist_frame frame;
+    assert_success(context, cellist_frame_from_view(context, &view, SIZE, SIZE, &frame));
+    for (int renderer = 0; renderer <= BY_FAN; renderer++) {
+      cellist_image *image = stage_draw_with(&made, renderer, &frame, NULL, both);
+      size_t covered = 0;
+      for (uint32_t i = 0; i < SIZE * SIZE; i++) {
+        if (stage_value(image, 3, i) != 1) continue;
+        covered++;
+        if (!(stage_value(image, 0, i) <= 1e-4f)) fail_msg("%s: red at pixel %u", RENDERER_NAMES[renderer], i);
+      }
+      assert_true(covered > 300);
+      cellist_image_destroy(image);
+    }
+  }
+  cellist_surface_destroy(both);
+  cellist_surface_destroy(other);
+  for (int i = 0; i < 2; i++) cellist_surface_destroy(parts[i]);
+  free(triangles);
+  stage_close(&made);
+  harness_context_destroy(context);
+}
+
 struct failing {
   int renderer;
 };

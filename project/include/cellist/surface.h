@@ -22,7 +22,8 @@ extern "C" {
 
 typedef struct cellist_surface cellist_surface;
 
-/* Triangles in the mesh's frame and units; {0} is a surface without any. A triangle without an area is never seen. */
+/* Triangles in the mesh's frame and units; {0} is a surface without any. A triangle without an area is never seen; of
+ * triangles with the same three corners the first one is kept, so that every renderer shows the same. */
 typedef struct cellist_surface_arrays {
   size_t point_count;
   const double *positions; /* [3 point_count] x y z, finite */
@@ -42,7 +43,7 @@ typedef struct cellist_surface_arrays {
 CELLIST_API cellist_result cellist_surface_create(cellist_context *context, const cellist_surface_arrays *arrays,
                                                   cellist_surface **surface);
 
-/* Makes one surface of several. Flat shaded parts stay flat.
+/* Makes one surface of several. Flat shaded parts stay flat. Where parts coincide the first one is seen.
  * Arrays: parts[part_count]; they are copied. Errors, threads and cost as cellist_surface_create. */
 CELLIST_API cellist_result cellist_surface_join(cellist_context *context, const cellist_surface *const *parts,
                                                 size_t part_count, cellist_surface **surface);
