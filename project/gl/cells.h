@@ -63,10 +63,12 @@ typedef struct gl_cells {
 
 /* What cells ask of the program that draws them: less is faster. */
 typedef enum gl_need {
-  GL_NEED_LITTLE,  /* two intervals of the transfer function at most, no segment deeper than 1 (exact.glsl) */
-  GL_NEED_STEPS,   /* two intervals, no segment deeper than a few */
-  GL_NEED_DEPTH,   /* any intervals and depths */
-  GL_NEED_ANYTHING /* and an extra, a wild corner or one before the near plane */
+  GL_NEED_LITTLE,   /* two intervals of the transfer function at most, no segment deeper than 1 (exact.glsl) */
+  GL_NEED_STEPS,    /* two intervals, no segment deeper than a few */
+  GL_NEED_FEW,      /* four intervals, no segment deeper than a few */
+  GL_NEED_DEPTH,    /* any intervals and depths */
+  GL_NEED_ANYTHING, /* and an extra, a wild corner or one before the near plane */
+  GL_NEED_COUNT
 } gl_need;
 
 /* Part of an order that is prepared and drawn together: cells from far to near, or a small group. */

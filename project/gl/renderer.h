@@ -37,7 +37,8 @@ enum {
   GL_VARIANT_PLAIN = 32,  /* nothing needs GL_NEED_ANYTHING */
   GL_VARIANT_LITTLE = 64, /* nor GL_NEED_DEPTH */
   GL_VARIANT_STEPS = 128, /* with LITTLE: something needs GL_NEED_STEPS */
-  GL_VARIANT_COUNT = 256
+  GL_VARIANT_FEW = 256,   /* nothing needs GL_NEED_DEPTH, something GL_NEED_FEW */
+  GL_VARIANT_COUNT = 512
 };
 
 /* A program keeps its uniforms: name 0: not built yet. */

@@ -44,7 +44,7 @@ static cellist_result build(cellist_gl *gl, gl_stage stage, gl_integrator integr
   fragment[count] = NULL;
   static const char *const names[] = {"#define PARALLEL\n",  "#define WITH_DEPTH\n",  "",
                                       "#define LIT_CELLS\n", "#define WITH_LIMITS\n", "#define PLAIN\n",
-                                      "#define LITTLE\n",    "#define STEPS\n"};
+                                      "#define LITTLE\n",    "#define STEPS\n",       "#define FEW\n"};
   char defines[512];
   size_t length = (size_t)snprintf(defines, sizeof defines, "%s", before);
   for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
@@ -99,7 +99,8 @@ static unsigned variant_of(const gl_drawing *drawing, gl_stage stage, gl_integra
     variant |= GL_VARIANT_LIT_CELLS;
   if ((stage != GL_STAGE_BLEND && stage != GL_STAGE_FAN) || need == GL_NEED_ANYTHING) return variant;
   variant |= GL_VARIANT_PLAIN;
-  if (integrator != GL_INTEGRATOR_EXACT || light->gradients != NULL || need > GL_NEED_STEPS) return variant;
+  if (integrator != GL_INTEGRATOR_EXACT || light->gradients != NULL || need > GL_NEED_FEW) return variant;
+  if (need == GL_NEED_FEW) return variant | GL_VARIANT_FEW;
   return variant | GL_VARIANT_LITTLE | (need == GL_NEED_STEPS ? GL_VARIANT_STEPS : 0);
 }
 

@@ -101,8 +101,8 @@ TEST(a_uniform_cell_matches_the_closed_form)
   harness_context_destroy(context);
 }
 
-/* Depths from thin to opaque, extinction rising and falling, in one interval of the transfer function and across a
- * knot. */
+/* Depths from thin to opaque, extinction rising and falling, in one interval of the transfer function, in two and
+ * in four. */
 TEST(all_optical_depths_match_the_closed_form)
 {
   const double values[4] = {0, 1, 0.3, 0.8};
@@ -114,8 +114,14 @@ TEST(all_optical_depths_match_the_closed_form)
     const double strength = pow(4, step);
     cellist_transfer_knot knots[] = {{0, 0.01 * strength, {1, 0, 0.2}}, {1, strength, {0, 0.5, 1}}};
     cellist_transfer_knot bent[] = {{0, 0.6 * strength, {1, 0, 0.2}}, {0.5, 0, {0, 1, 0}}, {1, strength, {0, 0.5, 1}}};
-    for (int i = 0; i < 4; i++) {
-      const cellist_transfer transfer = i < 2 ? (cellist_transfer){2, knots} : (cellist_transfer){3, bent};
+    cellist_transfer_knot zigzag[] = {{0, 0, {1, 0, 0.2}},
+                                      {0.25, strength, {0, 0, 1}},
+                                      {0.5, 0.1 * strength, {1, 1, 0}},
+                                      {0.75, 0.9 * strength, {0, 1, 0}},
+                                      {1, 0.3 * strength, {0, 0.5, 1}}};
+    const cellist_transfer transfers[] = {{2, knots}, {3, bent}, {5, zigzag}};
+    for (int i = 0; i < 6; i++) {
+      const cellist_transfer transfer = transfers[i / 2];
       const cellist_frame frame = stage_frame(context, eyes[i % 2], CENTRE, 0, 0, 48);
       struct tally tally = {0};
       compare_cell(&made, 0, &frame, &transfer, &tally);

@@ -3,8 +3,8 @@
 //
 // Three texels an interval between knots: its ends and 1 / width, colour and extinction at the lower end, at the upper.
 // LITTLE: the cell lies in one interval or two, which its corners hand on, and no segment is deeper than 1 by the
-// extinction anywhere in the cell; with STEPS it may be somewhat deeper.
-#ifndef LITTLE
+// extinction anywhere in the cell; with STEPS it may be somewhat deeper. FEW: it lies in four intervals at most.
+#if !defined(LITTLE) && !defined(FEW)
 uniform samplerBuffer intervals;
 #endif
 
@@ -12,10 +12,13 @@ const float OPACITY = 1.0; // of what gather gives as its fourth component
 
 // Optical depth above which the loop below cuts a piece, so that neither end's extinction makes more than 1 of it.
 const float THICK = 0.5;
+// Steps of a cell's segment, at most: some more than FEW_STEPS in cells.c says.
+const int MOST_STEPS = 64;
 // What is seen through less is not seen.
 const float OPAQUE = 1.0e-7;
 // Depths are cut here, so that their squares fit a float.
 const float DEEP = 1.0e15;
+const float FARTHEST = 1.0e18; // scalars; as FAR_VALUE in intervals.c
 
 // Of a piece whose optical depth would be a if its front end's extinction held along it and b with its back end's:
 // opacity = 1 - exp(-m), m = (a+b)/2, and skew = weight of the back colour - weight of the front colour, where
@@ -57,7 +60,7 @@ vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
 #endif
   float left = len * share, rest = len - left;
   float opacity = 0.0, under = 0.0, over = 0.0;
-  for (;;) {
+  for (int step = 0; step < MOST_STEPS; step++) {
     float end = to, end_extinction = to_extinction, piece = left;
 #ifdef STEPS
     float deepest = max(x_extinction, to_extinction) * left;
@@ -86,6 +89,52 @@ vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
     left = rest;
   }
   return vec4(opacity * middle.xyz + under * below.xyz + over * above.xyz, opacity);
+}
+#elif defined(FEW)
+// From knot to knot.
+vec4 gather(float front, float back, float len, ivec2 range, out vec2 seen) {
+  bool up = back >= front;
+  float inverse = 1.0 / (back == front ? 1.0 : back - front);
+  float x = front, begin = 0.0;
+  vec4 gathered = vec4(0.0);
+#ifdef WITH_DEPTH
+  seen = vec2(1.0, 0.0);
+#else
+  seen = vec2(0.0, 1.0);
+#endif
+  for (int step = 0; step < MOST_STEPS; step++) {
+    // Which knots lie behind, seen from the lowest scalar: at a knot, on the way up it does, on the way down not.
+    bool past0 = up ? x >= knots.x : x > knots.x;
+    bool past1 = up ? x >= knots.y : x > knots.y;
+    bool past2 = up ? x >= knots.z : x > knots.z;
+    float above = past1 ? past2 ? FARTHEST : knots.z : past0 ? knots.y : knots.x;
+    float below = past1 ? past2 ? knots.z : knots.y : past0 ? knots.x : -FARTHEST;
+    float to = up ? min(above, back) : max(below, back);
+    vec4 slope = past1 ? past2 ? slope3 : slope2 : past0 ? slope1 : slope0;
+    vec4 colour = past1 ? past2 ? colour2 : colour1 : colour0;
+    float knot = past1 ? past2 ? knots.z : knots.y : knots.x;
+    float end = to == back ? 1.0 : (to - front) * inverse;
+    float x_extinction = max(colour.w + slope.w * (x - knot), 0.0);
+    float to_extinction = max(colour.w + slope.w * (to - knot), 0.0);
+    float piece = max(len * (end - begin), 0.0);
+    float deepest = max(x_extinction, to_extinction) * piece;
+    bool cut = deepest > 1.0;
+    float part = 1.0 / max(deepest, 1.0);
+    to = cut ? mix(x, to, part) : to;
+    end = cut ? mix(begin, end, part) : end;
+    to_extinction = cut ? mix(x_extinction, to_extinction, part) : to_extinction;
+    vec2 weights = piece_weights(x_extinction * piece * part, to_extinction * piece * part);
+    float through = 1.0 - gathered.w;
+    float tilt = 0.5 * through * (weights.x * (x + to - 2.0 * knot) + weights.y * (to - x));
+    gathered += vec4(through * weights.x * colour.xyz + tilt * slope.xyz, through * weights.x);
+#ifdef WITH_DEPTH
+    if (x_extinction + to_extinction > 0.0) seen = vec2(min(seen.x, begin), end);
+#endif
+    if (end >= 1.0) break;
+    x = to;
+    begin = end;
+  }
+  return gathered;
 }
 #else
 // range: the intervals that the cell's scalars touch. seen: where on the segment the first contribution begins and

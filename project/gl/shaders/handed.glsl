@@ -6,6 +6,11 @@ HANDED vec4 record0, record1, record2, record3, record4; // of the record, see c
 HANDED vec4 record5;
 #endif
 HANDED vec4 ray; // direction across the picture at the record's pixel for depth 1, and its change per pixel
+#ifdef FEW
+HANDED vec4 knots;                          // three; those that the cell does not reach are far off
+HANDED vec4 colour0, colour1, colour2;      // colour and extinction there
+HANDED vec4 slope0, slope1, slope2, slope3; // before, between and after them
+#endif
 #ifdef LITTLE
 HANDED vec4 below, middle, above; // colour and extinction at the knot (record0.z), slopes below and above it
 #endif
