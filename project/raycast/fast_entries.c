@@ -198,6 +198,21 @@ static bool passes_by(const fast_scene *scene, const fast_tile *tile, const uint
   return outside[0] == 4 || outside[1] == 4 || outside[2] == 4;
 }
 
+/* As fast_enter, for many rays at one face: whether a ray enters there, and how deep. */
+static inline bool enters(const fast_scene *scene, const fast_vertex v[3], const uint32_t id[3], float rx, float ry,
+                          float *z) {
+  fast_point p[3];
+  float w[3];
+  for (int k = 0; k < 3; k++) p[k] = fast_see_vertex(scene, v[k], rx, ry);
+  for (int k = 0; k < 3; k++) {
+    const int i = k < 2 ? k + 1 : 0, j = k > 0 ? k - 1 : 2;
+    w[k] = fast_side(p[i], p[j], id[i], id[j]);
+    if (!(w[k] > 0)) return false;
+  }
+  *z = fast_cross(scene, p, w).z;
+  return true;
+}
+
 static bool rasterise(cellist_context *context, const fast_scene *scene, fast_tile *tile, uint32_t face,
                       const fast_box *box) {
   const int32_t tile_left = (int32_t)tile->left, tile_top = (int32_t)tile->top;
@@ -208,14 +223,14 @@ static bool rasterise(cellist_context *context, const fast_scene *scene, fast_ti
   const uint32_t *v = &scene->tets[4 * (size_t)(face >> 2)];
   const uint8_t *corner = CELLIST_TET_FACE[face & 3];
   const uint32_t id[3] = {v[corner[0]], v[corner[1]], v[corner[2]]};
+  const fast_vertex corners[3] = {scene->vertices[id[0]], scene->vertices[id[1]], scene->vertices[id[2]]};
   /* Where a box fills the tile, four more tests are cheap compared with a thousand. */
   if (right - left >= FAST_TILE / 2 && bottom - top >= FAST_TILE / 2 && passes_by(scene, tile, id)) return true;
   for (int32_t y = top; y <= bottom; y++)
     for (int32_t x = left; x <= right; x++) {
-      fast_stand stand;
-      if (!fast_enter(scene, face, scene->ray_x[x], scene->ray_y[y], &stand)) continue;
-      if (!add_entry(context, tile, (uint32_t)((y - tile_top) * FAST_TILE + x - tile_left), face, stand.now.z))
-        return false;
+      float z;
+      if (!enters(scene, corners, id, scene->ray_x[x], scene->ray_y[y], &z)) continue;
+      if (!add_entry(context, tile, (uint32_t)((y - tile_top) * FAST_TILE + x - tile_left), face, z)) return false;
     }
   return true;
 }

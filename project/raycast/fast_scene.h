@@ -48,10 +48,13 @@ typedef struct fast_point {
 
 /* Both paths of the walk, and the search for entries, use this arithmetic (no fused operations), so that all agree bit
  * for bit about which faces a ray passes. */
-static inline fast_point fast_see(const fast_scene *scene, uint32_t vertex, float rx, float ry) {
-  const fast_vertex v = scene->vertices[vertex];
+static inline fast_point fast_see_vertex(const fast_scene *scene, fast_vertex v, float rx, float ry) {
   if (scene->sheared) return (fast_point){v.x - rx * v.a, v.y - ry * v.a, v.a, v.b};
   return (fast_point){v.x - rx, v.y - ry, v.a, v.b};
+}
+
+static inline fast_point fast_see(const fast_scene *scene, uint32_t vertex, float rx, float ry) {
+  return fast_see_vertex(scene, scene->vertices[vertex], rx, ry);
 }
 
 /* Instead of a determinant of 0: small enough to change no weight that matters, large enough not to underflow. */
