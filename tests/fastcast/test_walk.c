@@ -189,6 +189,47 @@ TEST(depths_and_counts_are_those_of_the_reference)
   scene_destroy(&scene);
 }
 
+/* An image alone is stored row by row, arrays pixel by pixel; tiles are empty, cut by the picture's rim, and whole. */
+TEST(an_image_holds_what_arrays_hold)
+{
+  static const char *const channels[] = {"R", "G", "B", "A", "Z", "ZBack", "transmittance.Y", "cells.Y", "segments.Y"};
+  enum { WIDTH = 150, HEIGHT = 70, COUNT = WIDTH * HEIGHT };
+  random_state random = {7};
+  cast_scene scene;
+  make_scene(&scene, 2, 5, 0.3, false, 3, NULL);
+  const cellist_view view = view_from(&random, 2.5, 40, 0);
+  cast_picture arrays =
+      scene_draw_with(&scene, scene.caster, CELLIST_PRECISION_FAST, &view, WIDTH, HEIGHT, &TRANSFER, NULL);
+  for (size_t left_out = 0; left_out < 2; left_out++) { /* all channels, or the last five alone */
+    cellist_image *image = NULL;
+    const size_t first = left_out == 0 ? 0 : 4;
+    assert_success(scene.context,
+                   cellist_image_create(scene.context, WIDTH, HEIGHT, channels + first, 9 - first, &image));
+    const cellist_raycast_output output = {.image = image};
+    const cellist_raycast_desc desc = {.precision = CELLIST_PRECISION_FAST};
+    assert_success(scene.context,
+                   cellist_raycaster_render(scene.caster, &arrays.frame, &TRANSFER, &desc, &output, NULL));
+    size_t missed = 0;
+    for (size_t k = first; k < 9; k++) {
+      const float *plane = cellist_image_channel(image, channels[k]);
+      for (size_t i = 0; i < COUNT; i++) {
+        const double wanted = k < 4    ? arrays.rgba[4 * i + k]
+                              : k == 4 ? arrays.z[i]
+                              : k == 5 ? arrays.z_back[i]
+                              : k == 6 ? arrays.transmittance[i]
+                              : k == 7 ? arrays.cells[i]
+                                       : arrays.segments[i];
+        if (plane[i] != (float)wanted) fail_msg("%s of pixel %zu: %.9g, not %.9g", channels[k], i, plane[i], wanted);
+        missed += isinf(plane[i]);
+      }
+    }
+    assert_true(missed > COUNT / 2 && missed < COUNT);
+    cellist_image_destroy(image);
+  }
+  picture_release(&arrays);
+  scene_destroy(&scene);
+}
+
 TEST(absorption_is_black_and_other_models_are_refused)
 {
   random_state random = {8};

@@ -222,6 +222,28 @@ TEST(bits_do_not_depend_on_workers)
   free(first);
 }
 
+TEST(channels_that_are_wanted_do_not_change_each_other)
+{
+  for (int number = 0; number < 4; number++) {
+    stage made;
+    stage_open(&made, 2, number == 1, number == 2 ? 1e-3 : 2); /* thin: pixels gather opacity */
+    const cellist_view view = view_number(&made, number);
+    const cellist_frame frame = stage_look(&made, &view);
+    const cellist_soft_settings settings = {.order = made.order, .order_count = made.order_count};
+    cellist_image *whole = project(&made, &frame, &settings);
+    for (size_t k = 0; k < 6; k++) {
+      cellist_image *one = NULL;
+      assert_success(made.context, cellist_image_create(made.context, SIZE, SIZE, CHANNELS + k, 1, &one));
+      assert_success(made.context, cellist_soft_render(made.soft, &frame, &made.transfer, &settings, one, NULL));
+      assert_memory_equal(cellist_image_channel(whole, CHANNELS[k]), cellist_image_channel(one, CHANNELS[k]),
+                          (size_t)SIZE * SIZE * sizeof(float));
+      cellist_image_destroy(one);
+    }
+    cellist_image_destroy(whole);
+    stage_close(&made);
+  }
+}
+
 /* Two unit tets, one of them spoilt: by a NaN, by having no volume; on cells. */
 static void draw_two(const double *points, cellist_association association, const double *values, bool is_first_drawn,
                      bool is_second_drawn) {
