@@ -23,7 +23,7 @@ typedef struct draw_cost {
   bool draws_every_model;  /* not only emission-absorption and absorption */
   bool draws_narrow_peaks; /* of the transfer function */
   double error;            /* root mean square: the worst that a report shows on the sound real meshes */
-  double frame, tet, fragment, pixel, boundary_face;
+  double frame, tet, fragment, pixel, entry;
 } draw_cost;
 
 /* estimate.c. visible: [tets of the mesh] those that count; NULL: all. */
