@@ -148,6 +148,14 @@ static void watch(uint64_t seed, uint64_t index) {
   alarm(PATIENCE);
 }
 
+/* Interrupted, it ends after the scene that it is at, and says what it found. */
+static volatile sig_atomic_t is_interrupted;
+
+static void interrupt_handler(int signal) {
+  (void)signal;
+  is_interrupted = 1;
+}
+
 static void print_progress(const soak_totals *totals, double seconds) {
   printf(
       "%llu scenes in %.0f s, %llu failures; %llu of %llu pixels explained by a small shift, %llu pairs in order, "
@@ -186,9 +194,10 @@ int main(int argc, char **argv) {
     }
   if (isinf(minutes) && scenes == UINT64_MAX) scenes = 10000;
   signal(SIGALRM, hangs_handler);
+  signal(SIGINT, interrupt_handler);
   const double begin = clock_seconds();
   soak_totals totals = {0};
-  while (totals.scenes < scenes && clock_seconds() - begin < 60 * minutes) {
+  while (!is_interrupted && totals.scenes < scenes && clock_seconds() - begin < 60 * minutes) {
     const uint64_t index = first + totals.scenes++;
     soak_scene scene;
     char reason[SOAK_REASON] = "";

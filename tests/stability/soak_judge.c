@@ -26,9 +26,10 @@ static const double EDGE_DEPTH = 1e-2;
 enum { COARSE = 500 };
 static const double LIT_FACES[2][4] = {{0.1, 0.05, 0.05, 0.03}, {0.05, 0.03, 0.03, 0.02}};
 static const double LIT_SOFT[2][4] = {{0.25, 0.1, 0.08, 0.08}, {0.15, 0.08, 0.05, 0.05}};
-/* Tables know the transfer function at their nodes only, and smear what is opaque between two of them; psi is held to
- * single precision. */
-static const double TABLE = 3e-2, TABLE_STRAYS = 0.02, TABLE_STRAY = 0.1;
+/* Tables know the transfer function at their nodes only: where a medium is opaque between two of them, its colour is
+ * off by up to twice what colours change by from node to node; those of `dense` change by 4 over the range. Psi is held
+ * to single precision. */
+static const double TABLE_SLOPE = 10;
 /* OpenGL moves a fan's corners, and cells gain or lose what that is of them. In pictures of few pixels and dense media,
  * in which cells are smaller than pixels, and where the largest scalar is a sliver's, this share of a picture may be
  * off by more. */
@@ -79,10 +80,8 @@ static allowance allowance_of(const soak_scene *scene, size_t tet_count, double 
              is_coarse ? " coarse" : "");
   }
   if (is_faces && is_volume && model->integration == CELLIST_INTEGRATION_TABLE) {
-    made.plain = fmax(made.plain, TABLE);
-    made.strays = TABLE_STRAYS;
-    made.stray = TABLE_STRAY;
-    snprintf(made.kind, sizeof made.kind, "faces, table");
+    made.plain = fmax(made.plain, TABLE_SLOPE / model->table_size[0]);
+    snprintf(made.kind, sizeof made.kind, "faces, table %u", model->table_size[0]);
     /* README's limits: spikes are smeared, and so is what a narrow range makes of any function. */
     made.is_finite = made.is_finite || desc->optics.has_range || strcmp(desc->optics.transfer, "spikes") == 0;
   }
