@@ -24,7 +24,7 @@ static const double EDGE_DEPTH = 1e-2;
 /* Light by gradients at points, which is taken at 1 to 4 places of a segment: the highlight by faces, all of it by
  * soft. Of meshes of fewer than COARSE tets, which have long segments, and of others. */
 enum { COARSE = 500 };
-static const double LIT_FACES[2][4] = {{0.1, 0.05, 0.05, 0.03}, {0.05, 0.03, 0.03, 0.02}};
+static const double LIT_FACES[2][4] = {{0.1, 0.05, 0.05, 0.03}, {0.1, 0.03, 0.03, 0.02}};
 static const double LIT_SOFT[2][4] = {{0.25, 0.1, 0.08, 0.08}, {0.15, 0.08, 0.05, 0.05}};
 /* Tables know the transfer function at their nodes only: where a medium is opaque between two of them, its colour is
  * off by up to twice what colours change by from node to node; those of `dense` change by 4 over the range. Psi is held
@@ -52,7 +52,8 @@ typedef struct allowance {
   bool moves_corners; /* OpenGL: of fans, or of a surface */
   bool is_fan;
   bool has_edges;       /* OpenGL may show another facet at an edge of the surface */
-  bool lies_in_facets;  /* rays may lie in facets, and show one or the other */
+  bool is_either;       /* rays may lie in facets, and show one or the other; or only touch cells, which then count for
+                           the largest scalar or not */
   double strays, stray; /* a share of the pixels that may be off by more, and by how much, as `plain` */
   bool is_finite;       /* nothing else is known */
   char kind[SOAK_KIND]; /* of picture, for the totals */
@@ -93,7 +94,7 @@ static allowance allowance_of(const soak_scene *scene, size_t tet_count, double 
   }
   made.has_edges = is_gl && desc->surface_count > 0;
   made.moves_corners = made.is_fan || made.has_edges;
-  made.lies_in_facets = desc->surface_count > 0 && scene->is_along;
+  made.is_either = (desc->surface_count > 0 && scene->is_along) || model->model == CELLIST_MODEL_MAXIMUM;
   const bool is_float = desc->framebuffer == CELLIST_FRAMEBUFFER_32F || model->model == CELLIST_MODEL_MAXIMUM;
   if (is_gl && !is_float) {
     made.per_cell = desc->framebuffer == CELLIST_FRAMEBUFFER_16F ? BLEND_16F : BLEND_8;
@@ -214,7 +215,7 @@ static double miss_of(const struct pictures *pictures, size_t pixel, double tole
   for (int k = allowed->first; k < 4; k++) {
     double low = value_of(pictures->reference, k, pixel), high = low;
     widen(&pictures->rings[BY_ROUNDING], k, pixel, &low, &high);
-    if (allowed->lies_in_facets && high - low > tolerance) return 0;
+    if (allowed->is_either && high - low > tolerance) return 0;
     widen(&pictures->rings[BY_CORNERS], k, pixel, &low, &high);
     const double value = value_of(pictures->drawn, k, pixel);
     miss = fmax(miss, fmax(low - value, value - high));
