@@ -72,7 +72,7 @@ static cellist_result write_both(const struct measurement *m, const cellist_imag
 }
 
 /* Draws until there are enough frames; fills in times and counts. Each is seen from another place, so that each is
- * sorted; the last one from where the truth is. */
+ * sorted; the first one, which is kept, from where the truth is. */
 static cellist_result draw_frames(const struct measurement *m, cellist_pipeline *pipeline, report_row *row,
                                   cellist_image **image) {
   const report_options *options = m->report->options;
@@ -82,18 +82,20 @@ static cellist_result draw_frames(const struct measurement *m, cellist_pipeline 
   cellist_result result = sort != NULL && draw != NULL ? CELLIST_SUCCESS : CELLIST_ERROR_OUT_OF_MEMORY;
   const double begin = clock_seconds();
   size_t count = 0;
-  bool is_last = false;
-  for (unsigned i = 0; result == CELLIST_SUCCESS && !is_last; i++) {
-    /* The first of several frames compiles shaders and fills caches: it does not count. */
-    is_last = i == (options->frames > 1 ? options->frames : 0) || clock_seconds() - begin > PATIENCE;
-    const cellist_view view =
-        cellist_view_orbit(bounds, CELLIST_VIEW_AZIMUTH + (is_last ? 0 : 0.5 * (i + 1)), CELLIST_VIEW_ELEVATION);
-    cellist_image_destroy(*image);
-    *image = NULL;
-    result = cellist_pipeline_draw(pipeline, &view, options->size[0], options->size[1], image, &stats);
-    if (i == 0 && !is_last) continue;
+  bool is_done = false;
+  for (unsigned i = 0; result == CELLIST_SUCCESS && !is_done; i++) {
+    const cellist_view view = cellist_view_orbit(bounds, CELLIST_VIEW_AZIMUTH + 0.5 * i, CELLIST_VIEW_ELEVATION);
+    cellist_image *frame = NULL;
+    result = cellist_pipeline_draw(pipeline, &view, options->size[0], options->size[1], &frame, &stats);
+    if (i == 0)
+      *image = frame;
+    else
+      cellist_image_destroy(frame);
+    /* The first of several frames compiles shaders and fills caches: it counts only if time runs out. */
+    if (i == 1) count = 0;
     sort[count] = stats.sort_seconds;
     draw[count++] = stats.draw_seconds;
+    is_done = i == (options->frames > 1 ? options->frames : 0) || clock_seconds() - begin > PATIENCE;
   }
   if (result == CELLIST_SUCCESS) {
     row->convexify_seconds = stats.convexify_seconds;
