@@ -24,7 +24,7 @@ static const double EDGE_DEPTH = 1e-2;
 /* Light by gradients at points, which is taken at 1 to 4 places of a segment: the highlight by faces, all of it by
  * soft. Of meshes of fewer than COARSE tets, which have long segments, and of others. */
 enum { COARSE = 500 };
-static const double LIT_FACES[2][4] = {{0.1, 0.05, 0.05, 0.03}, {0.1, 0.03, 0.03, 0.02}};
+static const double LIT_FACES[2][4] = {{0.1, 0.05, 0.05, 0.05}, {0.1, 0.03, 0.03, 0.02}};
 static const double LIT_SOFT[2][4] = {{0.25, 0.1, 0.08, 0.08}, {0.15, 0.08, 0.05, 0.05}};
 /* Tables know the transfer function at their nodes only: where a medium is opaque between two of them, its colour is
  * off by up to twice what colours change by from node to node; those of `dense` change by 4 over the range. Psi is held
