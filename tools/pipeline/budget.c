@@ -12,7 +12,7 @@ static bool draws(const draw_cost *cost, const cellist_pipeline *pipeline) {
 #ifndef CELLIST_HAS_GL
   if (cost->renderer == CELLIST_RENDERER_FACES) return false;
 #endif
-  if (cost->samples > 0 && optics->light.cell_gradients && cost->samples > 1) return false;
+  if (cost->samples > 1 && optics->light.cell_gradients) return false;
   if (cost->samples > 0 && optics->sample_count > 0 && cost->samples != optics->sample_count) return false;
   return cost->is_lit == is_lit && (is_usual || cost->draws_every_model) &&
          (cost->draws_narrow_peaks || !pipeline_is_narrow(pipeline));
